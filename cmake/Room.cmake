@@ -1,0 +1,36 @@
+# noctule_room(NAME [DEPENDS room...] [LINK lib...] [PRIVATE_LINK lib...])
+#   A library noctule::NAME of all sources below libs/NAME, and one test executable noctule_NAME_test of all
+#   test/{unit,law,statistics}/NAME/**_test.cpp. DEPENDS names other rooms, LINK public third-party targets,
+#   PRIVATE_LINK those that only the .cpp files see.
+function(noctule_room name)
+  cmake_parse_arguments(ROOM "" "" "DEPENDS;LINK;PRIVATE_LINK" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/libs/${name}/*.cpp)
+  if(sources)
+    add_library(noctule_${name} STATIC ${sources})
+    set(scope PUBLIC)
+    target_link_libraries(noctule_${name} PRIVATE $<BUILD_INTERFACE:noctule_warnings> ${ROOM_PRIVATE_LINK})
+  else()
+    add_library(noctule_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(noctule::${name} ALIAS noctule_${name})
+  set_target_properties(noctule_${name} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(noctule_${name} ${scope} cxx_std_20)
+  target_include_directories(noctule_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/libs>
+                                                      $<INSTALL_INTERFACE:include/noctule>)
+  list(TRANSFORM ROOM_DEPENDS PREPEND noctule::)
+  target_link_libraries(noctule_${name} ${scope} ${ROOM_DEPENDS} ${ROOM_LINK})
+  set_property(GLOBAL APPEND PROPERTY NOCTULE_ROOMS ${name})
+
+  if(BUILD_TESTING)
+    file(GLOB_RECURSE tests CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/unit/${name}/*_test.cpp
+         ${PROJECT_SOURCE_DIR}/test/law/${name}/*_test.cpp ${PROJECT_SOURCE_DIR}/test/statistics/${name}/*_test.cpp)
+    if(tests)
+      add_executable(noctule_${name}_test ${tests})
+      target_link_libraries(noctule_${name}_test PRIVATE noctule_${name} noctule_warnings GTest::gtest_main)
+      target_include_directories(noctule_${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/test)
+      target_compile_definitions(noctule_${name}_test PRIVATE NOCTULE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+      gtest_discover_tests(noctule_${name}_test PROPERTIES LABELS ${name} DISCOVERY_TIMEOUT 60)
+    endif()
+  endif()
+endfunction()
