@@ -4,6 +4,8 @@
 #include <array>
 #include <numeric>
 
+#include "config/list_of.hpp"
+
 namespace noctule::config {
 namespace {
 
@@ -72,9 +74,9 @@ std::string unknown_key(std::string_view key, const std::vector<Field>& known) {
     }
   }
   if (nearest != nullptr) return unknown + ", did you mean '" + nearest->key + "'?";
-  std::string names;
-  for (const Field& field : known) names += (names.empty() ? "" : ", ") + field.key;
-  return unknown + (names.empty() ? ", no keys are known here" : ", known are: " + names);
+  std::vector<std::string> names;
+  for (const Field& field : known) names.push_back(field.key);
+  return unknown + (names.empty() ? ", no keys are known here" : ", known are: " + list_of(names));
 }
 
 }  // namespace noctule::config

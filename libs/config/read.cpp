@@ -5,6 +5,7 @@
 
 #include "config/config.hpp"
 #include "config/keys.hpp"
+#include "config/list_of.hpp"
 #include "config/number.hpp"
 #include "config/ranges.hpp"
 
@@ -127,14 +128,22 @@ class Reader {
     for (std::size_t i = 0; i < tree.items.size(); ++i) read_vector((*target)[i], tree.items[i], item(path, i));
   }
 
+  void read_value(const OneOf& one, const Tree& tree, const std::string& path) {
+    const std::string expected = "expected one of " + list_of(one.names);
+    const Tree* type = tree.find("type");
+    if (type == nullptr)
+      return problem(tree.place, path, "expected a map with the key 'type' (one of " + list_of(one.names) + ")", tree);
+    const auto name = std::find(one.names.begin(), one.names.end(), type->text);
+    if (name == one.names.end()) return problem(type->place, path + ".type", expected, *type);
+    read_group(one.value(static_cast<std::size_t>(name - one.names.begin())), tree, path);
+  }
+
   void read_value(const Choice& choice, const Tree& tree, const std::string& path) {
     const auto name = std::find(choice.names.begin(), choice.names.end(), tree.text);
     if (tree.kind == Tree::Kind::scalar && name != choice.names.end()) {
       return choice.set(static_cast<std::size_t>(name - choice.names.begin()));
     }
-    std::string names;
-    for (const std::string& n : choice.names) names += (names.empty() ? "" : ", ") + n;
-    problem(tree.place, path, "expected one of " + names, tree);
+    problem(tree.place, path, "expected one of " + list_of(choice.names), tree);
   }
 
   void read_value(const Group& group, const Tree& tree, const std::string& path) { read_group(group, tree, path); }

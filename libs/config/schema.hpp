@@ -1,6 +1,7 @@
 #pragma once
 /// The list of fields of one parameter object, bound to its members: made from `T::describe`, after which reading,
 /// writing and documenting need no templates.
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -38,10 +39,17 @@ struct Choice {
   std::function<std::size_t()> get;  ///< index into names
   std::function<void(std::size_t)> set;
 };
+/// One of several groups; the key `type` among its keys says which. The groups made here have that key.
+struct OneOf {
+  std::vector<std::string> names;
+  std::function<std::size_t()> index;
+  std::function<Group(std::size_t)> value;  ///< makes the object hold that alternative
+  std::function<Group(std::size_t)> prototype;
+};
 
 using Target =
     std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, std::filesystem::path*, Vector2*,
-                 Pose2*, std::vector<double>*, std::vector<Vector2>*, Choice, Group, OptionalGroup, List>;
+                 Pose2*, std::vector<double>*, std::vector<Vector2>*, Choice, Group, OptionalGroup, List, OneOf>;
 
 struct Field {
   std::string key;
@@ -120,6 +128,27 @@ class Binder {
     fields_.push_back({key, doc, unit::one, {}, std::move(list)});
   }
 
+  /// \param names of the alternatives, in their order
+  template <class Class, class... Alternatives>
+  void one_of(const char* key, std::variant<Alternatives...> Class::*member, const std::vector<std::string>& names,
+              const char* doc) {
+    std::variant<Alternatives...>* target = &(object_.*member);
+    OneOf one{names, [target] { return target->index(); }, {}, {}};
+    one.value = [target, names, doc](std::size_t i) {
+      visit_alternative<Alternatives...>(i, [&]<class Alternative>(std::type_identity<Alternative>) {
+        if (target->index() != i) target->template emplace<Alternative>();
+      });
+      return std::visit([&](auto& value) { return with_type(bind(value), names, i, doc); }, *target);
+    };
+    one.prototype = [names, doc](std::size_t i) {
+      Group group;
+      visit_alternative<Alternatives...>(
+          i, [&]<class Alternative>(std::type_identity<Alternative>) { group = config::prototype<Alternative>(); });
+      return with_type(std::move(group), names, i, doc);
+    };
+    fields_.push_back({key, doc, unit::one, {}, std::move(one)});
+  }
+
   [[nodiscard]] Group finish() && {
     Group group{std::move(fields_), [] { return std::string(); }};
     if constexpr (requires { object_.validate(); }) group.validate = [&object = object_] { return object.validate(); };
@@ -127,6 +156,17 @@ class Binder {
   }
 
  private:
+  template <class... Alternatives, class Function>
+  static void visit_alternative(std::size_t i, const Function& function) {
+    std::size_t n = 0;
+    ((n++ == i ? function(std::type_identity<Alternatives>{}) : void()), ...);
+  }
+  static Group with_type(Group group, const std::vector<std::string>& names, std::size_t i, const char* doc) {
+    Choice type{names, [i] { return i; }, [](std::size_t) {}};
+    group.fields.insert(group.fields.begin(), {"type", doc, unit::one, {}, std::move(type)});
+    return group;
+  }
+
   T& object_;
   std::vector<Field> fields_;
 };

@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include "config/config.hpp"
+#include "config/list_of.hpp"
 #include "config/number.hpp"
 #include "config/ranges.hpp"
 
@@ -64,6 +65,7 @@ struct Leaf {
   std::string operator()(const Choice& choice) const { return choice.names.at(choice.get()); }
   std::string operator()(const Group&) const { return ""; }
   std::string operator()(const OptionalGroup&) const { return ""; }
+  std::string operator()(const OneOf&) const { return ""; }
   std::string operator()(const List& list) const { return list.size() == 0 ? "[]" : ""; }
 
  private:
@@ -76,11 +78,7 @@ struct Leaf {
 };
 
 std::string allowed_values(const Field& field) {
-  if (const auto* choice = std::get_if<Choice>(&field.target)) {
-    std::string names;
-    for (const std::string& name : choice->names) names += (names.empty() ? "" : ", ") + name;
-    return "one of " + names;
-  }
+  if (const auto* choice = std::get_if<Choice>(&field.target)) return "one of " + list_of(choice->names);
   return to_string(field.range);
 }
 
@@ -104,6 +102,9 @@ void write_group(const Group& group, std::size_t indent, std::string first_prefi
     out += (first_prefix.empty() ? prefix : std::exchange(first_prefix, "")) + field.key + ":" +
            (value.empty() ? "" : " " + value) + comment(field) + "\n";
     if (const auto* nested = std::get_if<Group>(&field.target)) write_group(*nested, indent + 2, "", out);
+    if (const auto* one = std::get_if<OneOf>(&field.target)) {
+      write_group(one->value(one->index()), indent + 2, "", out);
+    }
     if (optional != nullptr) write_group(optional->value(), indent + 2, "", out);
     if (const auto* list = std::get_if<List>(&field.target)) {
       for (std::size_t i = 0; i < list->size(); ++i) {
@@ -129,6 +130,10 @@ void document_group(const Group& group, const std::string& path, std::string& ou
       document_group(optional->prototype(), key, out);
     } else if (const auto* list = std::get_if<List>(&field.target)) {
       document_group(list->prototype(), key + "[]", out);
+    } else if (const auto* one = std::get_if<OneOf>(&field.target)) {
+      for (std::size_t i = 0; i < one->names.size(); ++i) {
+        document_group(one->prototype(i), key + "<" + one->names[i] + ">", out);
+      }
     } else {
       out += "| `" + key + "` | " + (has_unit(field) ? field.unit.symbol : "") + " | `" +
              cell(std::visit(Leaf{field.unit}, field.target)) + "` | " + cell(allowed_values(field)) + " | " +

@@ -34,6 +34,14 @@ struct Wall {
   }
 };
 
+struct Sound {
+  double speed = 343.0;
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.field("speed_m_per_s", &Sound::speed, unit::metre_per_second, "its speed", positive());
+  }
+};
+
 struct Parameters {
   int particles = 100;
   std::int64_t big = -1;
@@ -47,6 +55,7 @@ struct Parameters {
   Noise noise;
   std::optional<Noise> extra;
   std::filesystem::path data;
+  std::variant<Noise, Sound> source;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -62,6 +71,7 @@ struct Parameters {
     v.group("noise", &Parameters::noise, "noise");
     v.group("extra", &Parameters::extra, "more noise");
     v.field("data", &Parameters::data, "a data file");
+    v.one_of("source", &Parameters::source, {"noise", "sound"}, "what is heard");
   }
   std::string validate() const {
     return particles == 13 && seed == 13 ? "particles and seed: expected at most one 13, got two" : "";
@@ -178,6 +188,17 @@ TEST(Read, RefusesWrongTypes) {
   EXPECT_EQ(problem_of("walls: [{name: [1]}]"), "p.yaml:1: walls[0].name: expected a text, got a list");
   EXPECT_EQ(problem_of("noise: 3"), "p.yaml:1: noise: expected a map of keys, got 3");
   EXPECT_EQ(problem_of("- 1"), "p.yaml:1: expected a map of keys, got a list");
+}
+
+TEST(Read, OneOfSeveralTypes) {
+  const auto p = parse<Parameters>("source: {type: sound, speed_m_per_s: 340}");
+  EXPECT_EQ(std::get<Sound>(p.source).speed, 340.0);
+  EXPECT_EQ(std::get<Noise>(parse<Parameters>("source: {base_cm: 1, type: noise}").source).base, 0.01);
+  EXPECT_EQ(problem_of("source: {speed_m_per_s: 1}"),
+            "p.yaml:1: source: expected a map with the key 'type' (one of noise, sound), got a map");
+  EXPECT_EQ(problem_of("source: {type: light}"), "p.yaml:1: source.type: expected one of noise, sound, got light");
+  EXPECT_EQ(problem_of("source: {type: noise, speed_m_per_s: 1}"),
+            "p.yaml:1: source: unknown key 'speed_m_per_s', known are: type, base_cm, angle_deg");
 }
 
 TEST(Read, RefusesNumbersThatAreNoneOrOutOfRange) {

@@ -25,6 +25,15 @@ struct Item {
   }
 };
 
+struct Length {
+  double value = 0.0;
+  friend bool operator==(const Length&, const Length&) = default;
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.field("value_m", &Length::value, unit::metre, "a length");
+  }
+};
+
 struct Everything {
   bool flag = false;
   int count = 1;
@@ -41,6 +50,7 @@ struct Everything {
   std::vector<Item> items;
   Item one;
   std::optional<Item> maybe;
+  std::variant<Item, Length> either;
   friend bool operator==(const Everything&, const Everything&) = default;
 
   template <class Visitor>
@@ -60,6 +70,7 @@ struct Everything {
     v.list("items", &Everything::items, "items");
     v.group("one", &Everything::one, "one item");
     v.group("maybe", &Everything::maybe, "an item or none");
+    v.one_of("either", &Everything::either, {"item", "length"}, "an item or a length");
   }
 };
 
@@ -98,6 +109,7 @@ Everything any_value(std::uint64_t seed) {
   for (std::uint64_t i = rng.index(4); i > 0; --i) e.items.push_back(any_item(rng));
   e.one = any_item(rng);
   if (rng.index(2) == 1) e.maybe = any_item(rng);
+  if (rng.index(2) == 1) e.either = Length{any_double(rng)};
   return e;
 }
 
@@ -166,6 +178,7 @@ TEST(Reference, ListsEveryKeyOnce) {
   EXPECT_NE(table.find("| `mode` |  | `slow` | one of slow, fast | a mode |"), std::string::npos);
   EXPECT_NE(table.find("| `items[].angle_deg` | deg | `0` |  | an angle |"), std::string::npos);
   EXPECT_NE(table.find("| `maybe.name` |"), std::string::npos);
+  EXPECT_NE(table.find("| `either<length>.value_m` | m | `0` |"), std::string::npos);
 }
 
 }  // namespace
