@@ -19,7 +19,7 @@ struct ContourErrorParameters {
   double cylinder_gate = 0.30;        ///< [m] cylinders farther apart than this are no pair
   /// Wall that the means "over the other walls" leave out: the one that the start pose measures and so anchors the
   /// frame. Empty: the first wall of the room.
-  std::string anchor_wall;
+  std::string anchor_wall = {};
 };
 
 /// A known wall and what was found of it.
