@@ -18,6 +18,8 @@ function(noctule_room name)
   target_compile_features(noctule_${name} ${scope} cxx_std_20)
   target_include_directories(noctule_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/libs>
                                                       $<INSTALL_INTERFACE:include/noctule>)
+  set_property(GLOBAL PROPERTY NOCTULE_ROOM_${name}_DEPENDS ${ROOM_DEPENDS})
+  set_property(GLOBAL PROPERTY NOCTULE_ROOM_${name}_LINKS ${ROOM_LINK} ${ROOM_PRIVATE_LINK})
   list(TRANSFORM ROOM_DEPENDS PREPEND noctule::)
   target_link_libraries(noctule_${name} ${scope} ${ROOM_DEPENDS} ${ROOM_LINK})
   set_property(GLOBAL APPEND PROPERTY NOCTULE_ROOMS ${name})
