@@ -35,7 +35,13 @@ struct EchoFit {
 /// cut, then it is estimated from the median absolute residual. \param members indices of the arcs that belong to the
 /// reflector \return nothing when the arcs do not determine the reflector
 [[nodiscard]] std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc> arcs,
-                                                std::span<const int> members, const RobustParameters& parameters);
+                                                std::span<const int> members, const RobustParameters& parameters,
+                                                double precision);
+
+/// One Gauss-Newton step from a fit whose members have changed a little, at its own scale; the fit itself where the
+/// arcs do not determine a step.
+[[nodiscard]] EchoFit improved(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
+                               const RobustParameters& parameters);
 
 /// Covariance of such a fit, order as Reflector::gradient; unused rows are 0. It is the sandwich A^-1 B A^-1 with B
 /// summed by stops (Liang and Zeger 1986), times G / (G - dimension) for G stops: it follows the noise that is there,
