@@ -1,0 +1,126 @@
+#include "mapping/echo_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace noctule::mapping {
+namespace {
+
+constexpr int kCoarse = 3;  // iterations before the scale is estimated
+constexpr int kFine = 12;   // and after
+constexpr double kConverged = 1e-7;
+constexpr double kSmallestScale = 0.02;
+
+/// Tukey's biweight: weight and derivative of the influence u (1 - u^2)^2, u being the residual over the cut.
+struct Biweight {
+  double weight;
+  double slope;
+};
+Biweight biweight(double u) {
+  const double v = 1.0 - u * u;
+  if (v <= 0.0) return {0.0, 0.0};
+  return {v * v, v * (1.0 - 5.0 * u * u)};
+}
+
+/// Solves for a step of the parameters the reflector has; the others stay 0.
+std::optional<Vector3> solve(Matrix3 a, const Vector3& b, int dimension) {
+  if (dimension == 2) a(2, 2) = 1.0;
+  a.diagonal() *= 1.0 + 1e-9;
+  const Eigen::LDLT<Matrix3> ldlt(a);
+  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-9 * ldlt.vectorD().maxCoeff())) return {};
+  return ldlt.solve(b);
+}
+
+double median_scale(const Reflector& reflector, std::span<const SonarArc> arcs, std::span<const int> members,
+                    double window_scale, const RobustParameters& parameters) {
+  std::vector<double> residuals;
+  residuals.reserve(members.size());
+  for (const int i : members) {
+    const SonarArc& arc = arcs[static_cast<std::size_t>(i)];
+    const double e = std::abs(arc.range - reflector.sight(arc.sensor).range);
+    if (e < std::max(parameters.tukey * window_scale * arc.sigma, parameters.floor)) residuals.push_back(e / arc.sigma);
+  }
+  if (residuals.empty()) return 1.0;
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return std::clamp(1.4826 * *middle, kSmallestScale, parameters.max_scale);
+}
+
+/// One reweighted step; nothing when the normal matrix is singular.
+template <class Cut>
+std::optional<Vector3> step(const Reflector& reflector, std::span<const SonarArc> arcs, std::span<const int> members,
+                            const Cut& cut) {
+  Matrix3 a = Matrix3::Zero();
+  Vector3 b = Vector3::Zero();
+  for (const int i : members) {
+    const SonarArc& arc = arcs[static_cast<std::size_t>(i)];
+    const Reflector::Sight s = reflector.sight(arc.sensor);
+    const double e = arc.range - s.range;
+    const double w = biweight(e / cut(arc)).weight / (arc.sigma * arc.sigma);
+    if (w <= 0.0) continue;
+    const Vector3 j = reflector.gradient(arc.sensor, s);
+    a.noalias() += w * j * j.transpose();
+    b.noalias() += (w * e) * j;
+  }
+  return solve(a, b, reflector.dimension());
+}
+
+}  // namespace
+
+std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc> arcs, std::span<const int> members,
+                                  const RobustParameters& parameters) {
+  EchoFit fit = start;
+  for (int i = 0; i < kCoarse; ++i) {
+    const auto move = step(fit.reflector, arcs, members, [&](const SonarArc& arc) {
+      return std::max(parameters.tukey * start.scale * arc.sigma, parameters.floor);
+    });
+    if (!move) return {};
+    fit.reflector = fit.reflector.moved(*move);
+  }
+  fit.scale = median_scale(fit.reflector, arcs, members, start.scale, parameters);
+  for (int i = 0; i < kFine; ++i) {
+    const auto move = step(fit.reflector, arcs, members,
+                           [&](const SonarArc& arc) { return parameters.tukey * fit.scale * arc.sigma; });
+    if (!move) return {};
+    fit.reflector = fit.reflector.moved(*move);
+    if (move->norm() < kConverged) break;
+    if (i == 2) fit.scale = median_scale(fit.reflector, arcs, members, fit.scale, parameters);
+  }
+  return fit;
+}
+
+Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
+                        const RobustParameters& parameters) {
+  Matrix3 a = Matrix3::Zero();
+  std::vector<std::pair<int, Vector3>> scores;  // by stop
+  scores.reserve(members.size());
+  for (const int i : members) {
+    const SonarArc& arc = arcs[static_cast<std::size_t>(i)];
+    const Reflector::Sight s = fit.reflector.sight(arc.sensor);
+    const double e = arc.range - s.range, precision = 1.0 / (arc.sigma * arc.sigma);
+    const auto [weight, slope] = biweight(e / (parameters.tukey * fit.scale * arc.sigma));
+    if (weight <= 0.0) continue;
+    const Vector3 j = fit.reflector.gradient(arc.sensor, s);
+    a += slope * precision * j * j.transpose();
+    scores.emplace_back(arc.stop, weight * precision * e * j);
+  }
+  std::stable_sort(scores.begin(), scores.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+  Matrix3 b = Matrix3::Zero();
+  int stops = 0;
+  for (std::size_t i = 0; i < scores.size();) {
+    Vector3 sum = Vector3::Zero();
+    const int stop = scores[i].first;
+    for (; i < scores.size() && scores[i].first == stop; ++i) sum += scores[i].second;
+    b += sum * sum.transpose();
+    ++stops;
+  }
+  const int dimension = fit.reflector.dimension();
+  if (dimension == 2) a(2, 2) = 1.0;
+  const Matrix3 bread = a.inverse();
+  const double small_sample = static_cast<double>(stops) / std::max(1, stops - dimension);
+  return small_sample * bread * b * bread.transpose();
+}
+
+}  // namespace noctule::mapping
