@@ -67,7 +67,7 @@ CircleHypothesis start_circle(const ContourFeature& f, const Vector2& surface, c
   if (f.type == ContourType::point) {
     radius = 0.0;
     radius_sd = p.point_radius_sd;
-  } else if (f.type == ContourType::arc && f.circle_covariance(2, 2) < radius_sd * radius_sd) {
+  } else if (f.type == ContourType::arc && f.has_circle && f.circle_covariance(2, 2) < radius_sd * radius_sd) {
     radius = std::max(f.circle.radius, 0.0);
   }
   // The surface is known along and across the line of sight; the centre lies one radius behind it.
