@@ -1,0 +1,144 @@
+#include "report/page.hpp"
+
+#include "eval/published_contours.hpp"
+#include "report/assets.hpp"
+#include "report/json.hpp"
+#include "report/key_figures.hpp"
+#include "report/run_charts.hpp"
+#include "report/run_plans.hpp"
+#include "report/tables.hpp"
+#include "report/text.hpp"
+
+namespace noctule::report {
+namespace {
+
+std::string section(const std::string& heading, const std::string& lead, const std::string& content) {
+  if (content.empty()) return {};
+  return "<section>\n<h2>" + heading + "</h2>\n" + (lead.empty() ? "" : "<p class=\"lead\">" + lead + "</p>\n") +
+         content + "</section>\n";
+}
+
+std::string plan(const std::string& css_class, const std::string& heading, const std::string& toggles,
+                 const std::string& svg) {
+  if (svg.empty()) return {};
+  return "<figure class=\"plan " + css_class + "\"><figcaption><b>" + heading + "</b>" + toggles + "</figcaption>\n" +
+         svg + "</figure>\n";
+}
+
+/// A switch for a layer of the plan around it; page.css does the rest.
+std::string toggle(const char* layer, const char* css_class, const char* label, bool on) {
+  return std::string("<label class=\"key ") + css_class + "\"><input type=\"checkbox\" data-layer=\"" + layer + "\"" +
+         (on ? " checked" : "") + ">" + label + "</label>";
+}
+
+bool knows_world(const RunData& data) {
+  return data.world.room || !data.world.landmarks.empty();
+}
+
+std::string header(const RunData& data) {
+  std::string facts;
+  const auto fact = [&](const std::string& name, const std::string& value) {
+    if (!value.empty()) facts += "<div><dt>" + name + "</dt><dd>" + escape(value) + "</dd></div>\n";
+  };
+  fact("World", data.world.name);
+  fact("Seed", std::to_string(data.seed));
+  if (data.duration > 0.0) fact("Duration", printed_duration(data.duration));
+  if (const auto length = find_metric(data.metrics, "path_length")) fact("Path", fixed(*length, 1) + " m");
+  if (!data.estimates.empty()) fact("Particles", std::to_string(data.estimates.back().particles));
+  fact("Version", data.version);
+  return "<header><p class=\"eyebrow\">Noctule run report</p>\n<h1>" + escape(data.title) +
+         "</h1>\n<dl class=\"facts\">\n" + facts + "</dl></header>\n";
+}
+
+std::string sentences(const std::vector<std::string>& texts, const char* css_class, const char* label) {
+  if (texts.empty()) return {};
+  std::string items;
+  for (const std::string& t : texts) items += "<li>" + escape(t) + "</li>";
+  return std::string("<aside class=\"") + css_class + "\" aria-label=\"" + label + "\"><ul>" + items +
+         "</ul></aside>\n";
+}
+
+std::string map_section(const RunData& data) {
+  if (!data.contours && data.landmarks.landmarks.empty() && data.direct_points.empty()) return {};
+  std::string toggles = "<span class=\"legend\">" + toggle("estimate", "estimate", "estimate", true) +
+                        toggle("uncertainty", "band-key", "3\xCF\x83", true) +
+                        toggle("estimate-path", "path-key", "path", true);
+  if (knows_world(data)) toggles += toggle("truth", "truth", "truth", true);
+  if (!data.direct_points.empty()) toggles += toggle("readings", "readings-key", "readings", false);
+  toggles += "</span>";
+  std::string plans = plan("map-plan", "Estimated map", toggles, map_plan(data));
+  if (!data.direct_points.empty()) {
+    plans += plan("readings-plan", "Direct map, unfiltered",
+                  "<span class=\"legend\"><span class=\"key readings-key\">readings</span><span class=\"key "
+                  "odometry\">dead reckoning</span></span>",
+                  readings_plan(data));
+  }
+  const std::string lead =
+      std::string("What the robot made of its echoes") +
+      (knows_world(data) ? ", drawn over the world as it is" : "; how the world really is, nobody has measured") +
+      (data.direct_points.empty()
+           ? "."
+           : ". Beside it the same readings, each put on the axis of its beam along dead reckoning.");
+  return section("The map", lead, "<div class=\"pair\">\n" + plans + "</div>\n");
+}
+
+std::string path_section(const RunData& data) {
+  if (data.estimates.empty()) return {};
+  std::string legend = "<span class=\"legend\">" + toggle("estimate-path", "estimate", "filter", true) +
+                       toggle("uncertainty", "band-key", "3\xCF\x83", true);
+  if (!data.dead_reckoning.empty()) legend += toggle("odometry-path", "odometry", "dead reckoning", true);
+  if (!data.truth.empty()) legend += toggle("truth-path", "truth-line", "truth", true);
+  legend += "</span>";
+  const std::string grid = plan("occupancy-plan", "Occupancy grid", "", occupancy_plan(data));
+  return section("The path", "",
+                 "<div class=\"pair\">\n" + plan("path-plan", "Path", legend, path_plan(data)) + grid + "</div>\n");
+}
+
+std::string chart_section(const std::string& heading, const std::string& lead, const std::vector<Chart>& charts) {
+  std::string content;
+  for (const Chart& c : charts) content += chart_html(c);
+  return content.empty() ? "" : section(heading, lead, "<div class=\"pair charts\">\n" + content + "</div>\n");
+}
+
+std::string contour_section(const RunData& data) {
+  if (!data.contours) return {};
+  std::string content = wall_table(data) + cylinder_table(data);
+  if (content.empty()) {
+    content = found_walls_table(data.contours->map) + found_cylinders_table(data.contours->map);
+    return section("Walls and cylinders", "The room is not known: estimates with their standard deviations.", content);
+  }
+  if (has_published_figures(data)) content += "<p class=\"note\">" + escape(eval::published_contours_note()) + "</p>\n";
+  return section("Walls and cylinders",
+                 "Each estimate with its error below it. Known pose is the mapper on the true path, the limit of any "
+                 "filter; dead reckoning is the mapper on odometry alone.",
+                 content);
+}
+
+std::string run_section(const RunData& data) {
+  std::string content = metric_table(data) + timing_table(data) + module_table(data);
+  if (!data.config_yaml.empty()) {
+    content +=
+        "<details><summary>Effective configuration</summary><pre>" + escape(data.config_yaml) + "</pre></details>\n";
+  }
+  return section("The run in figures", "", content);
+}
+
+}  // namespace
+
+std::string page(const RunData& data) {
+  const std::vector<Chart> errors = error_charts(data), health = health_charts(data);
+  std::vector<Chart> all = errors;
+  all.insert(all.end(), health.begin(), health.end());
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
+         escape(data.title) + " \xC2\xB7 Noctule</title>\n<style>\n" + kFigureStyle + kPageStyle +
+         "</style>\n</head>\n<body>\n" + header(data) + "<main>\n" + sentences(data.warnings, "warnings", "Warnings") +
+         key_figures(data) + map_section(data) + path_section(data) +
+         chart_section("Errors over time", "Shaded: three standard deviations by the filter's own account.", errors) +
+         contour_section(data) + chart_section("Health of the filter", "", health) + run_section(data) +
+         sentences(data.notes, "notes", "Notes") + "</main>\n<script type=\"application/json\" id=\"run-data\">" +
+         page_json(data, all) + "</script>\n<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";
+}
+
+}  // namespace noctule::report
