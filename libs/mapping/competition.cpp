@@ -13,6 +13,7 @@ constexpr double kTail = 3.0;                  // degrees of freedom of the Stud
 constexpr double kStudentTop = 0.36755259694;  // its density at 0
 constexpr double kConeMargin = radians(5.0);   // an echo may come from this far outside the cone
 constexpr double kPeakWindow = 0.08;           // residuals allowed at a peak of the accumulators [m]
+constexpr double kRough = 1e-4, kFine = 1e-8;    // precision of fits [m, rad]
 constexpr int kMaxRefusals = 12;               // peaks tried in vain before giving up
 constexpr int kSettleRounds = 12;              // at most
 
@@ -73,7 +74,7 @@ std::optional<Object> Competition::refined(const Reflector& start) const {
   for (int round = 0; round < 3; ++round) {
     const std::vector<int> members = supporters(fit, round == 0 ? kPeakWindow : 0.0);
     if (static_cast<int>(members.size()) < parameters_.support.min_readings) return {};
-    const auto next = fit_echoes(fit, arcs_, members, parameters_.robust);
+    const auto next = fit_echoes(fit, arcs_, members, parameters_.robust, kRough);
     if (!next) return {};
     fit = *next;
     if (fit.reflector.type() == ContourType::arc &&
@@ -156,18 +157,12 @@ std::optional<Object> Competition::best_wall(Blocked& blocked) {
   return {};
 }
 
-std::optional<Object> Competition::cylinder_or_point(const Cylinder& start) const {
-  auto arc = refined(Reflector(Cylinder{start.centre, std::max(start.radius, parameters_.hough.radius_bin)}));
-  const bool is_arc = arc && supported(*arc);
-  const Vector2 tip = is_arc && start.radius > 0.0 ? arc->fit.reflector.cylinder().centre : start.centre;
-  auto point = refined(Reflector(Cylinder{tip, 0.0}));
-  const bool is_point = point && supported(*point);
-  if (is_arc && arc->fit.reflector.cylinder().radius >= parameters_.support.min_radius &&
-      !(is_point && arc->gain - point->gain < parameters_.support.radius_evidence)) {
-    return arc;
-  }
-  if (is_point) return point;
-  return {};
+std::optional<Object> Competition::refined_round(const Cylinder& start) const {
+  auto object = refined(Reflector(Cylinder{start.centre, std::max(start.radius, parameters_.hough.radius_bin)}));
+  if (!object) return refined(Reflector(Cylinder{start.centre, 0.0}));
+  const EchoFit simple = simplest(object->fit, object->members);
+  if (simple.reflector.type() == object->fit.reflector.type()) return object;
+  return refined(simple.reflector);
 }
 
 std::optional<Object> Competition::best_cylinder(Blocked& blocked) {
@@ -181,7 +176,7 @@ std::optional<Object> Competition::best_cylinder(Blocked& blocked) {
     });
     if (peak.row < 0) return {};
     const Cylinder start = circles_.cylinder(peak);
-    if (auto object = cylinder_or_point(start)) return object;
+    if (auto object = refined_round(start); object && supported(*object)) return object;
     blocked.cylinders.push_back(start);
   }
   return {};
@@ -205,14 +200,22 @@ void Competition::accept(Object object) {
   objects_.push_back(std::move(object));
 }
 
+bool Competition::still_worth(Object& object) const {
+  const double before = object.gain;
+  measure(object);
+  return object.gain > 0.9 * before;
+}
+
 void Competition::grow() {
   Blocked blocked;
+  std::optional<Object> wall, cylinder;
   while (true) {
-    auto wall = best_wall(blocked);
-    auto cylinder = best_cylinder(blocked);
+    if (!wall || !still_worth(*wall)) wall = best_wall(blocked);
+    if (!cylinder || !still_worth(*cylinder)) cylinder = best_cylinder(blocked);
     if (!wall && !cylinder) return;
-    const bool take_wall = wall && (!cylinder || wall->gain >= cylinder->gain);
-    accept(std::move(take_wall ? *wall : *cylinder));
+    auto& winner = wall && (!cylinder || wall->gain >= cylinder->gain) ? wall : cylinder;
+    accept(std::move(*winner));
+    winner.reset();
   }
 }
 
@@ -277,7 +280,7 @@ bool Competition::merge_overlapping() {
       kept.members.insert(kept.members.end(), objects_[j].members.begin(), objects_[j].members.end());
       const double scale = 2.0 * std::max(kept.fit.scale, objects_[j].fit.scale);
       objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(j));
-      if (const auto fit = fit_echoes({kept.fit.reflector, scale}, arcs_, kept.members, parameters_.robust)) {
+      if (const auto fit = fit_echoes({kept.fit.reflector, scale}, arcs_, kept.members, parameters_.robust, kFine)) {
         kept.fit = *fit;
       }
       return true;
@@ -305,31 +308,39 @@ double Competition::log_likelihood(const EchoFit& fit, std::span<const int> memb
   return sum;
 }
 
-void Competition::refit(Object& object) const {
-  const Reflector& old = object.fit.reflector;
+EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) const {
   const auto fitted = [&](const Reflector& start) {
-    return fit_echoes({start, 1.0}, arcs_, object.members, parameters_.robust);
+    return fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kFine);
   };
-  if (old.is_wall()) {
-    if (const auto wall = fitted(old)) object.fit = *wall;
-    return;
+  if (fit.reflector.is_wall()) return fitted(fit.reflector).value_or(fit);
+
+  const Cylinder c = fit.reflector.cylinder();
+  Vector2 direction = Vector2::Zero();
+  for (const int i : members) direction += fit.reflector.sight(arcs_[static_cast<std::size_t>(i)].sensor).direction;
+  const Wall tangent{direction.normalized().dot(c.centre) - c.radius, std::atan2(direction.y(), direction.x())};
+  EchoFit best = fit;
+  double best_likelihood = -std::numeric_limits<double>::infinity();
+  for (const Reflector& start : {Reflector(Cylinder{c.centre, 0.0}), Reflector(tangent),
+                                 Reflector(Cylinder{c.centre, std::max(c.radius, parameters_.support.min_radius)})}) {
+    const auto candidate = fitted(start);
+    if (!candidate) continue;
+    double likelihood = log_likelihood(*candidate, members);
+    if (start.type() == ContourType::arc) {
+      const double radius = candidate->reflector.cylinder().radius;
+      if (radius < parameters_.support.min_radius || radius > parameters_.hough.max_radius + parameters_.hough.radius_bin) continue;
+      likelihood -= parameters_.support.radius_evidence;
+    }
+    if (likelihood <= best_likelihood) continue;
+    best = *candidate;
+    best_likelihood = likelihood;
   }
-  const Cylinder c = old.cylinder();
-  const auto point = fitted(Reflector(Cylinder{c.centre, 0.0}));
-  const auto arc = fitted(Reflector(Cylinder{c.centre, std::max(c.radius, parameters_.support.min_radius)}));
-  if (arc && arc->reflector.cylinder().radius >= parameters_.support.min_radius &&
-      (!point || log_likelihood(*arc, object.members) - log_likelihood(*point, object.members) >=
-                     parameters_.support.radius_evidence)) {
-    object.fit = *arc;
-  } else if (point) {
-    object.fit = *point;
-  }
+  return best;
 }
 
 void Competition::settle() {
   for (int round = 0; round < kSettleRounds; ++round) {
     share_out();
-    for (Object& object : objects_) refit(object);
+    for (Object& object : objects_) object.fit = simplest(object.fit, object.members);
     if (merge_overlapping()) continue;
     share_out();
     if (!drop_weakest() && round > 0) return;

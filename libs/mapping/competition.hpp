@@ -53,12 +53,13 @@ class Competition {
   [[nodiscard]] std::optional<Object> best_wall(Blocked& blocked);
   [[nodiscard]] std::optional<Object> best_cylinder(Blocked& blocked);
   [[nodiscard]] std::optional<Object> refined(const Reflector& start) const;
-  [[nodiscard]] std::optional<Object> cylinder_or_point(const Cylinder& start) const;
+  [[nodiscard]] std::optional<Object> refined_round(const Cylinder& start) const;
+  [[nodiscard]] EchoFit simplest(const EchoFit& fit, std::span<const int> members) const;
   [[nodiscard]] std::vector<int> supporters(const EchoFit& fit, double window) const;
   void measure(Object& object) const;
   [[nodiscard]] bool supported(const Object& object) const;
+  [[nodiscard]] bool still_worth(Object& object) const;
   void accept(Object object);
-  void refit(Object& object) const;
   void share_out();
   [[nodiscard]] bool overlap(const Object& a, const Object& b) const;
   bool merge_overlapping();

@@ -8,9 +8,8 @@
 namespace noctule::mapping {
 namespace {
 
-constexpr int kCoarse = 3;  // iterations before the scale is estimated
-constexpr int kFine = 12;   // and after
-constexpr double kConverged = 1e-7;
+constexpr int kCoarse = 2;  // iterations before the scale is estimated
+constexpr int kFine = 15;   // and after
 constexpr double kSmallestScale = 0.02;
 
 /// Tukey's biweight: weight and derivative of the influence u (1 - u^2)^2, u being the residual over the cut.
@@ -70,7 +69,7 @@ std::optional<Vector3> step(const Reflector& reflector, std::span<const SonarArc
 }  // namespace
 
 std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc> arcs, std::span<const int> members,
-                                  const RobustParameters& parameters) {
+                                  const RobustParameters& parameters, double precision) {
   EchoFit fit = start;
   for (int i = 0; i < kCoarse; ++i) {
     const auto move = step(fit.reflector, arcs, members, [&](const SonarArc& arc) {
@@ -85,8 +84,8 @@ std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc
                            [&](const SonarArc& arc) { return parameters.tukey * fit.scale * arc.sigma; });
     if (!move) return {};
     fit.reflector = fit.reflector.moved(*move);
-    if (move->norm() < kConverged) break;
-    if (i == 2) fit.scale = median_scale(fit.reflector, arcs, members, fit.scale, parameters);
+    if (i >= 2 && move->norm() < precision) break;
+    if (i == 1) fit.scale = median_scale(fit.reflector, arcs, members, fit.scale, parameters);
   }
   return fit;
 }

@@ -35,7 +35,8 @@ struct EchoFit {
 /// cut, then it is estimated from the median absolute residual. \param members indices of the arcs that belong to the
 /// reflector \return nothing when the arcs do not determine the reflector
 [[nodiscard]] std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc> arcs,
-                                                std::span<const int> members, const RobustParameters& parameters);
+                                                std::span<const int> members, const RobustParameters& parameters,
+                                                double precision);
 
 /// Covariance of such a fit, order as Reflector::gradient; unused rows are 0. It is the sandwich A^-1 B A^-1 with B
 /// summed by stops (Liang and Zeger 1986), times G / (G - dimension) for G stops: it follows the noise that is there,

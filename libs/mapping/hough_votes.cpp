@@ -5,30 +5,41 @@
 
 namespace noctule::mapping {
 
-Extent Extent::of(std::span<const SonarArc> arcs) {
+namespace {
+
+constexpr int kMargin = 8;         // rho bins beyond the extent, for the spread of a vote
+constexpr double kWidest = 2.5;    // half width of that spread in bins: broader votes only make peaks flat
+constexpr double kHeld = 0.98;     // share of the data an extent holds
+constexpr double kMarginFactor = 1.1;
+
+Extent about(std::span<const Vector2> points) {
   Extent extent;
-  if (arcs.empty()) return extent;
-  for (const SonarArc& arc : arcs) extent.centre += arc.sensor;
-  extent.centre /= static_cast<double>(arcs.size());
-  for (const SonarArc& arc : arcs) {
-    extent.radius = std::max(extent.radius, (arc.sensor - extent.centre).norm() + arc.range);
-  }
+  if (points.empty()) return extent;
+  for (const Vector2& p : points) extent.centre += p;
+  extent.centre /= static_cast<double>(points.size());
+  std::vector<double> radii;
+  radii.reserve(points.size());
+  for (const Vector2& p : points) radii.push_back((p - extent.centre).norm());
+  const auto held = radii.begin() + static_cast<std::ptrdiff_t>(kHeld * static_cast<double>(radii.size() - 1));
+  std::nth_element(radii.begin(), held, radii.end());
+  extent.radius = kMarginFactor * *held;
   return extent;
+}
+
+}  // namespace
+
+Extent Extent::of(std::span<const SonarArc> arcs) {
+  std::vector<Vector2> points;
+  points.reserve(arcs.size());
+  for (const SonarArc& arc : arcs) points.push_back(arc.sensor + arc.range * arc.axis);
+  return about(points);
 }
 
 Extent Extent::of(std::span<const PointWithCovariance> points) {
-  Extent extent;
-  if (points.empty()) return extent;
-  for (const PointWithCovariance& p : points) extent.centre += p.position;
-  extent.centre /= static_cast<double>(points.size());
-  for (const PointWithCovariance& p : points) {
-    extent.radius = std::max(extent.radius, (p.position - extent.centre).norm());
-  }
-  return extent;
-}
-
-namespace {
-constexpr int kMargin = 8;  // bins beyond the extent, for the spread of a vote
+  std::vector<Vector2> positions;
+  positions.reserve(points.size());
+  for (const PointWithCovariance& p : points) positions.push_back(p.position);
+  return about(positions);
 }
 
 LineVotes::LineVotes(const HoughParameters& parameters, const Extent& extent, Normals normals)
@@ -45,13 +56,15 @@ LineVotes::LineVotes(const HoughParameters& parameters, const Extent& extent, No
 
 void LineVotes::spread(int row, double rho, double sigma, double weight) {
   // A triangle of the same variance, not narrower than what keeps the sum between two bins.
-  const double half_width = std::max(1.0, std::sqrt(6.0) * sigma / parameters_.rho_bin);
+  const double half_width = std::clamp(std::sqrt(6.0) * sigma / parameters_.rho_bin, 1.0, kWidest);
   const double x = rho / parameters_.rho_bin + 0.5 * (grid_.columns() - 1);
   const int first = std::max(0, static_cast<int>(std::ceil(x - half_width)));
   const int last = std::min(grid_.columns() - 1, static_cast<int>(std::floor(x + half_width)));
-  float* cells = grid_.row(row);
-  const double slope = 1.0 / half_width, top = weight / half_width;
-  for (int i = first; i <= last; ++i) cells[i] += static_cast<float>(top * (1.0 - slope * std::abs(i - x)));
+  grid_.touch(row, row);
+  float* cells = grid_.cells(row);
+  const auto top = static_cast<float>(weight / half_width), slope = static_cast<float>(top / half_width);
+  auto offset = static_cast<float>(first - x);
+  for (int i = first; i <= last; ++i, offset += 1.0F) cells[i] += top - slope * std::abs(offset);
 }
 
 void LineVotes::vote(const SonarArc& arc, double weight) {
@@ -88,11 +101,21 @@ CircleVotes::CircleVotes(const HoughParameters& parameters, const Extent& extent
   corner_ = extent.centre - Vector2::Constant(0.5 * cells_ * parameters.centre_bin);
 }
 
-void CircleVotes::add(int layer, const Vector2& p, float weight) {
-  const Vector2 cell = (p - corner_) / parameters_.centre_bin;
-  const int x = static_cast<int>(cell.x()), y = static_cast<int>(cell.y());
-  if (x < 0 || y < 0 || x >= cells_ || y >= cells_) return;
-  grid_.row(layer * cells_ + y)[x] += weight;
+void CircleVotes::add(int layer, const Vector2& p, double distance, double weight) {
+  const double scale = 1.0 / parameters_.centre_bin;
+  const double x0 = (p.x() - corner_.x()) * scale, y0 = (p.y() - corner_.y()) * scale, d = distance * scale;
+  const auto share = static_cast<float>(weight / static_cast<double>(directions_.size()));
+  float* cells = grid_.cells(layer * cells_);
+  int low = cells_, high = -1;
+  for (const Vector2& u : directions_) {
+    const double x = x0 + d * u.x(), y = y0 + d * u.y();
+    if (x < 0.0 || y < 0.0 || x >= cells_ || y >= cells_) continue;
+    const int row = static_cast<int>(y);
+    cells[row * cells_ + static_cast<int>(x)] += share;
+    low = std::min(low, row);
+    high = std::max(high, row);
+  }
+  if (low <= high) grid_.touch(layer * cells_ + low, layer * cells_ + high);
 }
 
 void CircleVotes::vote(const SonarArc& arc, double weight) {
@@ -107,10 +130,8 @@ void CircleVotes::vote(const SonarArc& arc, double weight) {
     directions_.push_back(u);
     u = {turn.x() * u.x() - turn.y() * u.y(), turn.y() * u.x() + turn.x() * u.y()};
   }
-  const auto share = static_cast<float>(weight / samples);
   for (int layer = 0; layer < layers_; ++layer) {
-    const double distance = arc.range + layer * parameters_.radius_bin;
-    for (const Vector2& d : directions_) add(layer, arc.sensor + distance * d, share);
+    add(layer, arc.sensor, arc.range + layer * parameters_.radius_bin, weight);
   }
 }
 
@@ -118,11 +139,12 @@ void CircleVotes::vote(const PointWithCovariance& point, double weight) {
   for (int layer = 1; layer < layers_; ++layer) {
     const double radius = layer * parameters_.radius_bin;
     const int samples = 1 + static_cast<int>(kTwoPi * radius / parameters_.centre_bin);
-    const auto share = static_cast<float>(weight / samples);
+    directions_.clear();
     for (int i = 0; i < samples; ++i) {
       const double angle = kTwoPi * i / samples;
-      add(layer, point.position + radius * Vector2(std::cos(angle), std::sin(angle)), share);
+      directions_.emplace_back(std::cos(angle), std::sin(angle));
     }
+    add(layer, point.position, radius, weight);
   }
 }
 

@@ -14,8 +14,8 @@ struct HoughParameters {
   double theta_bin = radians(1.0);
   double rho_bin = 0.02;
   double centre_bin = 0.04;
-  double radius_bin = 0.05;
-  double max_radius = 0.50;
+  double radius_bin = 0.08;
+  double max_radius = 0.48;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -29,15 +29,14 @@ struct HoughParameters {
   }
 };
 
-/// What the space must hold: a disc about `centre` [m].
+/// The disc that an accumulator covers [m]. Votes outside are lost.
 struct Extent {
   Vector2 centre = Vector2::Zero();
   double radius = 0.0;
 
-  /// Smallest disc about the middle of the arcs that holds every point they may touch.
+  /// About the middle of the data; holds all but the farthest 2 % (multiple echoes), with a margin.
   [[nodiscard]] static Extent of(std::span<const SonarArc> arcs);
   [[nodiscard]] static Extent of(std::span<const PointWithCovariance> points);
-  [[nodiscard]] bool holds(const SonarArc& arc) const { return (arc.sensor - centre).norm() + arc.range <= radius; }
 };
 
 /// Accumulator over (theta, rho), rho signed and measured from the centre of the extent. Arcs vote in [0, 2 pi) with
@@ -80,7 +79,7 @@ class CircleVotes {
   [[nodiscard]] Cylinder cylinder(const VoteGrid::Peak& peak) const;
 
  private:
-  void add(int layer, const Vector2& p, float weight);
+  void add(int layer, const Vector2& p, double distance, double weight);
 
   HoughParameters parameters_;
   Vector2 corner_;  // of cell (0, 0)

@@ -76,13 +76,14 @@ void ArcReader::read(const UltrasonicScan& scan, const Pose2& base_in_map, std::
       scale_.observe(range, neighbour, noise_.sd(0.5 * (range + neighbour)));
     }
   }
+  const double scale = scale_.value();
   for (const UltrasonicBeam& beam : scan.beams) {
     if (beam.echo != Echo::hit) continue;
     const Pose2 sensor = base_in_map * beam.sensor_in_base;
     arcs.push_back({.sensor = sensor.position(),
                     .axis = {std::cos(sensor.yaw), std::sin(sensor.yaw)},
                     .range = beam.range,
-                    .sigma = scale_.value() * noise_.sd(beam.range),
+                    .sigma = scale * noise_.sd(beam.range),
                     .half_angle = scan.half_angle,
                     .stop = stop_});
   }
