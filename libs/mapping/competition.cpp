@@ -9,15 +9,10 @@
 namespace noctule::mapping {
 namespace {
 
-constexpr double kTail = 3.0;                  // degrees of freedom of the Student-t
-constexpr double kStudentTop = 0.36755259694;  // its density at 0
-constexpr double kConeMargin = radians(5.0);   // an echo may come from this far outside the cone
-constexpr double kPeakWindow = 0.08;           // residuals allowed at a peak of the accumulators [m]
-constexpr double kRough = 1e-4, kFine = 1e-8;    // precision of fits [m, rad]
-constexpr int kMaxRefusals = 12;               // peaks tried in vain before giving up
-constexpr int kSettleRounds = 12;              // at most
+constexpr int kSettleRounds = 12;  // at most
+constexpr double kGrowth = 1.5;    // of the extent, beyond what is needed
 
-double span_of(std::span<const SonarArc> arcs, std::span<const int> members) {
+double diameter(std::span<const SonarArc> arcs, std::span<const int> members) {
   Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const int i : members) {
     low = low.cwiseMin(arcs[static_cast<std::size_t>(i)].sensor);
@@ -26,76 +21,145 @@ double span_of(std::span<const SonarArc> arcs, std::span<const int> members) {
   return members.empty() ? 0.0 : (high - low).norm();
 }
 
+Extent limited(Extent extent, double most) {
+  extent.radius = std::min(extent.radius, most);
+  return extent;
+}
+
 }  // namespace
 
 Competition::Competition(const MapperParameters& parameters, const Extent& extent)
     : parameters_(parameters),
-      log_clutter_(std::log(parameters.clutter / parameters.clutter_range) - std::log(kTwoPi)),
-      lines_(parameters.hough, extent, LineVotes::Normals::directed),
-      circles_(parameters.hough, extent) {}
+      model_(parameters.echo, parameters.robust),
+      extent_(limited(extent, parameters.max_extent)),
+      lines_(parameters.hough, extent_, LineVotes::Normals::directed),
+      circles_(parameters.hough, extent_) {}
 
-void Competition::add(const SonarArc& arc) {
-  arcs_.push_back(arc);
-  explained_.push_back(log_clutter_);
-  owner_.push_back(-1);
-  voted_.push_back(1);
-  lines_.vote(arc, 1.0);
-  circles_.vote(arc, 1.0);
+void Competition::cast(int slot, double weight) {
+  const auto i = static_cast<std::size_t>(slot);
+  const char now = weight > 0.0 ? 1 : 0;
+  if (votes_[i] == now) return;
+  votes_[i] = now;
+  lines_.vote(arcs_[i], weight);
+  circles_.vote(arcs_[i], weight);
 }
 
-double Competition::log_likelihood(const EchoFit& fit, const SonarArc& arc) const {
-  constexpr double kNever = -std::numeric_limits<double>::infinity();
-  const Reflector::Sight s = fit.reflector.sight(arc.sensor);
-  const double off_axis2 = 2.0 - 2.0 * s.direction.dot(arc.axis);  // squared chord, nearly the squared angle
-  const double limit = arc.half_angle + kConeMargin;
-  if (off_axis2 > limit * limit || s.range <= 0.0) return kNever;
-  const double sigma =
-      std::max(arc.sigma * std::max(1.0, fit.scale), parameters_.robust.floor / parameters_.robust.tukey);
-  const double e = (arc.range - s.range) / sigma;
-  if (e * e > 400.0) return kNever;
-  const double beam = 0.5 * arc.half_angle;
-  return std::log(kStudentTop / sigma / (beam * std::sqrt(kTwoPi))) - 0.5 * (kTail + 1.0) * std::log1p(e * e / kTail) -
-         0.5 * off_axis2 / (beam * beam);
+void Competition::update_votes() {
+  for (std::size_t i = 0; i < arcs_.size(); ++i) cast(static_cast<int>(i), owner_[i] == kNobody ? 1.0 : -1.0);
 }
 
-std::vector<int> Competition::supporters(const EchoFit& fit, double window) const {
-  std::vector<int> members;
-  for (std::size_t i = 0; i < arcs_.size(); ++i) {
-    const double e = std::abs(arcs_[i].range - fit.reflector.sight(arcs_[i].sensor).range);
-    const double cut =
-        std::max({window, parameters_.robust.floor, parameters_.robust.tukey * arcs_[i].sigma * fit.scale});
-    if (e < cut && log_likelihood(fit, arcs_[i]) > explained_[i]) members.push_back(static_cast<int>(i));
+void Competition::set_owner(int slot, int owner) {
+  int& now = owner_[static_cast<std::size_t>(slot)];
+  unexplained_ += (owner == kNobody ? 1 : 0) - (now == kNobody ? 1 : 0);
+  now = owner;
+}
+
+void Competition::enlarge(const SonarArc& arc) {
+  const double needed = (arc.sensor + arc.range * arc.axis - extent_.centre).norm();
+  if (needed <= extent_.radius || extent_.radius >= parameters_.max_extent) return;
+  extent_.radius = std::min(kGrowth * needed, parameters_.max_extent);
+  lines_ = LineVotes(parameters_.hough, extent_, LineVotes::Normals::directed);
+  circles_ = CircleVotes(parameters_.hough, extent_);
+  std::fill(votes_.begin(), votes_.end(), char{0});
+  update_votes();
+}
+
+void Competition::remove(int slot) {
+  const auto i = static_cast<std::size_t>(slot);
+  cast(slot, -1.0);
+  if (owner_[i] == kNobody) return;
+  std::erase(objects_[static_cast<std::size_t>(owner_[i])].members, slot);
+  set_owner(slot, kNobody);
+}
+
+void Competition::put(int slot, const SonarArc& arc) {
+  if (slot == static_cast<int>(arcs_.size())) {
+    arcs_.push_back(arc);
+    explained_.push_back(0.0);
+    owner_.push_back(kNobody);
+    votes_.push_back(0);
+    ++unexplained_;
+  } else {
+    remove(slot);
+    arcs_[static_cast<std::size_t>(slot)] = arc;
   }
-  return members;
+  claim(slot);
 }
 
-std::optional<Object> Competition::refined(const Reflector& start) const {
-  EchoFit fit{start, 1.0};
-  for (int round = 0; round < 3; ++round) {
-    const std::vector<int> members = supporters(fit, round == 0 ? kPeakWindow : 0.0);
-    if (static_cast<int>(members.size()) < parameters_.support.min_readings) return {};
-    const auto next = fit_echoes(fit, arcs_, members, parameters_.robust, kRough);
-    if (!next) return {};
-    fit = *next;
-    if (fit.reflector.type() == ContourType::arc &&
-        !(fit.reflector.cylinder().radius < parameters_.hough.max_radius + parameters_.hough.radius_bin)) {
-      return {};
+void Competition::claim(int slot) {
+  const auto i = static_cast<std::size_t>(slot);
+  const SonarArc& arc = arcs_[i];
+  explained_[i] = model_.log_clutter();
+  int owner = kNobody;
+  for (std::size_t id = 0; id < objects_.size(); ++id) {
+    const double l = model_.log_likelihood(objects_[id].fit, arc);
+    if (l <= explained_[i]) continue;
+    explained_[i] = l;
+    owner = static_cast<int>(id);
+  }
+  if (owner != kNobody) {
+    Object& object = objects_[static_cast<std::size_t>(owner)];
+    const double residual = std::abs(arc.range - object.fit.reflector.sight(arc.sensor).range);
+    if (residual < model_.cut(object.fit, arc)) {
+      object.members.push_back(slot);
+      object.has_news = true;
+      set_owner(slot, owner);
+      return;
     }
   }
-  Object object{.fit = fit, .members = supporters(fit, 0.0)};
-  measure(object);
-  return object;
+  enlarge(arc);
+  cast(slot, 1.0);
+}
+
+void Competition::share_out() {
+  std::vector<double> second(arcs_.size(), model_.log_clutter());
+  std::vector<int> best(arcs_.size(), kNobody);
+  std::fill(explained_.begin(), explained_.end(), model_.log_clutter());
+  for (std::size_t id = 0; id < objects_.size(); ++id) {
+    objects_[id].members.clear();
+    for (std::size_t i = 0; i < arcs_.size(); ++i) {
+      const double l = model_.log_likelihood(objects_[id].fit, arcs_[i]);
+      if (l > explained_[i]) {
+        second[i] = explained_[i];
+        explained_[i] = l;
+        best[i] = static_cast<int>(id);
+      } else if (l > second[i]) {
+        second[i] = l;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < arcs_.size(); ++i) {
+    int owner = kNobody;
+    if (best[i] != kNobody) {
+      Object& object = objects_[static_cast<std::size_t>(best[i])];
+      const double residual = std::abs(arcs_[i].range - object.fit.reflector.sight(arcs_[i].sensor).range);
+      if (residual < model_.cut(object.fit, arcs_[i])) {
+        owner = best[i];
+        object.members.push_back(static_cast<int>(i));
+      }
+    }
+    set_owner(static_cast<int>(i), owner);
+  }
+  for (Object& object : objects_) {
+    measure(object);
+    object.gain = 0.0;
+    for (const int i : object.members) {
+      object.gain += explained_[static_cast<std::size_t>(i)] - second[static_cast<std::size_t>(i)];
+    }
+  }
 }
 
 void Competition::measure(Object& object) const {
   const Reflector& reflector = object.fit.reflector;
   std::vector<int> stops;
-  std::vector<double> where;  // feet along the wall, or directions from the centre
+  std::vector<double> where;  // feet along the wall, or directions to the centre
+  object.gain = 0.0;
   for (const int i : object.members) {
     const SonarArc& arc = arcs_[static_cast<std::size_t>(i)];
     stops.push_back(arc.stop);
     const Vector2 d = reflector.sight(arc.sensor).direction;
     where.push_back(reflector.is_wall() ? reflector.wall().tangent().dot(arc.sensor) : std::atan2(d.y(), d.x()));
+    object.gain += std::max(0.0, model_.log_likelihood(object.fit, arc) - explained_[static_cast<std::size_t>(i)]);
   }
   std::sort(stops.begin(), stops.end());
   object.stops = static_cast<int>(std::unique(stops.begin(), stops.end()) - stops.begin());
@@ -109,151 +173,36 @@ void Competition::measure(Object& object) const {
     double gap = kTwoPi - (where.back() - where.front());
     for (std::size_t i = 1; i < where.size(); ++i) gap = std::max(gap, where[i] - where[i - 1]);
     object.viewing_angle = kTwoPi - gap;
-    object.span = span_of(arcs_, object.members);
+    object.span = diameter(arcs_, object.members);
   }
-  object.gain = 0.0;
-  for (const int i : object.members) {
-    const auto k = static_cast<std::size_t>(i);
-    object.gain += std::max(0.0, log_likelihood(object.fit, arcs_[k]) - explained_[k]);
+}
+
+int Competition::contradictions(const Object& object) const {
+  const Reflector& reflector = object.fit.reflector;
+  const Vector2 tangent = reflector.is_wall() ? reflector.wall().tangent() : Vector2::Zero();
+  int count = 0;
+  for (const SonarArc& arc : arcs_) {
+    const Reflector::Sight sight = reflector.sight(arc.sensor);
+    const double beam = 0.5 * arc.half_angle;  // within which a surface is hardly missed
+    const double margin = std::max(parameters_.robust.floor, 3.0 * parameters_.robust.tukey * arc.sigma);
+    if (sight.range <= 0.0 || arc.range < sight.range + margin || off_axis2(sight, arc) > beam * beam) continue;
+    if (reflector.is_wall()) {
+      const double at = tangent.dot(arc.sensor);
+      if (at < object.begin || at > object.end) continue;
+    }
+    ++count;
   }
+  return count;
 }
 
 bool Competition::supported(const Object& object) const {
   const SupportParameters& need = parameters_.support;
-  if (static_cast<int>(object.members.size()) < need.min_readings || object.stops < need.min_stops ||
-      object.span < need.min_span || object.gain < need.min_gain) {
-    return false;
-  }
-  int contradictions = 0;
-  const Reflector& reflector = object.fit.reflector;
-  for (const SonarArc& arc : arcs_) {
-    const Reflector::Sight s = reflector.sight(arc.sensor);
-    const double beam = 0.5 * arc.half_angle;
-    const double margin = std::max(parameters_.robust.floor, 3.0 * parameters_.robust.tukey * arc.sigma);
-    if (s.range <= 0.0 || arc.range < s.range + margin || 2.0 - 2.0 * s.direction.dot(arc.axis) > beam * beam) continue;
-    if (reflector.is_wall()) {
-      const double at = reflector.wall().tangent().dot(arc.sensor);
-      if (at < object.begin || at > object.end) continue;
-    }
-    ++contradictions;
-  }
-  return contradictions <= need.max_contradiction * static_cast<double>(object.members.size());
+  const auto readings = static_cast<int>(object.members.size());
+  return readings >= need.min_readings && object.stops >= need.min_stops && object.span >= need.min_span &&
+         object.gain >= need.min_gain && contradictions(object) <= need.max_contradiction * readings;
 }
 
-std::optional<Object> Competition::best_wall(Blocked& blocked) {
-  const float threshold =
-      static_cast<float>(0.3 * parameters_.support.min_readings * parameters_.hough.theta_bin / radians(30.0));
-  for (int refusals = 0; refusals < kMaxRefusals; ++refusals) {
-    const VoteGrid::Peak peak = lines_.grid().best(threshold, [&](int row, int column) {
-      const Wall w = lines_.wall({row, column, 0.0F});
-      return std::none_of(blocked.walls.begin(), blocked.walls.end(), [&](const Wall& b) {
-        return std::abs(wrap(w.theta - b.theta)) < radians(3.0) && std::abs(w.rho - b.rho) < 0.06;
-      });
-    });
-    if (peak.row < 0) return {};
-    if (auto object = refined(Reflector(lines_.wall(peak))); object && supported(*object)) return object;
-    blocked.walls.push_back(lines_.wall(peak));
-  }
-  return {};
-}
-
-std::optional<Object> Competition::refined_round(const Cylinder& start) const {
-  auto object = refined(Reflector(Cylinder{start.centre, std::max(start.radius, parameters_.hough.radius_bin)}));
-  if (!object) return refined(Reflector(Cylinder{start.centre, 0.0}));
-  const EchoFit simple = simplest(object->fit, object->members);
-  if (simple.reflector.type() == object->fit.reflector.type()) return object;
-  return refined(simple.reflector);
-}
-
-std::optional<Object> Competition::best_cylinder(Blocked& blocked) {
-  const float threshold = static_cast<float>(0.02 * parameters_.support.min_readings);
-  for (int refusals = 0; refusals < kMaxRefusals; ++refusals) {
-    const VoteGrid::Peak peak = circles_.grid().best(threshold, [&](int row, int column) {
-      const Cylinder c = circles_.cylinder({row, column, 0.0F});
-      return std::none_of(blocked.cylinders.begin(), blocked.cylinders.end(), [&](const Cylinder& b) {
-        return (c.centre - b.centre).norm() < 0.10 && std::abs(c.radius - b.radius) < 0.11;
-      });
-    });
-    if (peak.row < 0) return {};
-    const Cylinder start = circles_.cylinder(peak);
-    if (auto object = refined_round(start); object && supported(*object)) return object;
-    blocked.cylinders.push_back(start);
-  }
-  return {};
-}
-
-void Competition::accept(Object object) {
-  const int id = static_cast<int>(objects_.size());
-  for (std::size_t i = 0; i < arcs_.size(); ++i) {
-    const double l = log_likelihood(object.fit, arcs_[i]);
-    if (l <= explained_[i]) continue;
-    explained_[i] = l;
-    owner_[i] = id;
-  }
-  for (const int i : object.members) {
-    const auto k = static_cast<std::size_t>(i);
-    if (voted_[k] == 0) continue;
-    lines_.vote(arcs_[k], -1.0);
-    circles_.vote(arcs_[k], -1.0);
-    voted_[k] = 0;
-  }
-  objects_.push_back(std::move(object));
-}
-
-bool Competition::still_worth(Object& object) const {
-  const double before = object.gain;
-  measure(object);
-  return object.gain > 0.9 * before;
-}
-
-void Competition::grow() {
-  Blocked blocked;
-  std::optional<Object> wall, cylinder;
-  while (true) {
-    if (!wall || !still_worth(*wall)) wall = best_wall(blocked);
-    if (!cylinder || !still_worth(*cylinder)) cylinder = best_cylinder(blocked);
-    if (!wall && !cylinder) return;
-    auto& winner = wall && (!cylinder || wall->gain >= cylinder->gain) ? wall : cylinder;
-    accept(std::move(*winner));
-    winner.reset();
-  }
-}
-
-void Competition::share_out() {
-  std::fill(explained_.begin(), explained_.end(), log_clutter_);
-  std::fill(owner_.begin(), owner_.end(), -1);
-  std::vector<double> second(arcs_.size(), log_clutter_);
-  for (std::size_t id = 0; id < objects_.size(); ++id) {
-    for (std::size_t i = 0; i < arcs_.size(); ++i) {
-      const double l = log_likelihood(objects_[id].fit, arcs_[i]);
-      if (l > explained_[i]) {
-        second[i] = explained_[i];
-        explained_[i] = l;
-        owner_[i] = static_cast<int>(id);
-      } else if (l > second[i]) {
-        second[i] = l;
-      }
-    }
-  }
-  for (Object& object : objects_) object.members.clear();
-  for (std::size_t i = 0; i < arcs_.size(); ++i) {
-    if (owner_[i] < 0) continue;
-    Object& object = objects_[static_cast<std::size_t>(owner_[i])];
-    const double e = std::abs(arcs_[i].range - object.fit.reflector.sight(arcs_[i].sensor).range);
-    if (e < std::max(parameters_.robust.floor, parameters_.robust.tukey * arcs_[i].sigma * object.fit.scale)) {
-      object.members.push_back(static_cast<int>(i));
-    }
-  }
-  for (Object& object : objects_) {
-    measure(object);
-    object.gain = 0.0;
-    for (const int i : object.members) {
-      object.gain += explained_[static_cast<std::size_t>(i)] - second[static_cast<std::size_t>(i)];
-    }
-  }
-}
-
-bool Competition::overlap(const Object& a, const Object& b) const {
+bool Competition::claim_same_place(const Object& a, const Object& b) const {
   const Reflector &ra = a.fit.reflector, &rb = b.fit.reflector;
   const double limit = parameters_.support.merge_distance;
   if (ra.is_wall() != rb.is_wall()) return false;
@@ -263,26 +212,22 @@ bool Competition::overlap(const Object& a, const Object& b) const {
   }
   const Wall wa = ra.wall(), wb = rb.wall();
   if (std::abs(wrap(wa.theta - wb.theta)) > parameters_.support.merge_angle) return false;
-  const Vector2 t = wa.tangent();
-  const auto along = [&](double s) { return t.dot(foot(wb) + s * wb.tangent()); };
-  const double low = std::max(a.begin, std::min(along(b.begin), along(b.end)));
-  const double high = std::min(a.end, std::max(along(b.begin), along(b.end)));
-  if (low > high) return false;
-  return std::abs(wb.distance(foot(wa) + 0.5 * (low + high) * t)) < limit;
+  const auto along = [&](double s) { return wa.tangent().dot(foot(wb) + s * wb.tangent()); };
+  const double low = std::max(a.begin, along(b.begin)), high = std::min(a.end, along(b.end));
+  return low <= high && std::abs(wb.distance(foot(wa) + 0.5 * (low + high) * wa.tangent())) < limit;
 }
 
-bool Competition::merge_overlapping() {
+bool Competition::merge_two() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     for (std::size_t j = i + 1; j < objects_.size(); ++j) {
-      if (!overlap(objects_[i], objects_[j])) continue;
+      if (!claim_same_place(objects_[i], objects_[j])) continue;
       if (objects_[i].gain < objects_[j].gain) std::swap(objects_[i], objects_[j]);
       Object& kept = objects_[i];
       kept.members.insert(kept.members.end(), objects_[j].members.begin(), objects_[j].members.end());
       const double scale = 2.0 * std::max(kept.fit.scale, objects_[j].fit.scale);
       objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(j));
-      if (const auto fit = fit_echoes({kept.fit.reflector, scale}, arcs_, kept.members, parameters_.robust, kFine)) {
-        kept.fit = *fit;
-      }
+      kept.fit =
+          fit_echoes({kept.fit.reflector, scale}, arcs_, kept.members, parameters_.robust, 1e-6).value_or(kept.fit);
       return true;
     }
   }
@@ -299,60 +244,39 @@ bool Competition::drop_weakest() {
   return true;
 }
 
-double Competition::log_likelihood(const EchoFit& fit, std::span<const int> members) const {
-  double sum = 0.0;
-  for (const int i : members) {
-    const auto k = static_cast<std::size_t>(i);
-    sum += std::max(log_clutter_, log_likelihood(fit, arcs_[k]));
-  }
-  return sum;
-}
-
-EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) const {
-  const auto fitted = [&](const Reflector& start) {
-    return fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kFine);
-  };
-  if (fit.reflector.is_wall()) return fitted(fit.reflector).value_or(fit);
-
-  const Cylinder c = fit.reflector.cylinder();
-  Vector2 direction = Vector2::Zero();
-  for (const int i : members) direction += fit.reflector.sight(arcs_[static_cast<std::size_t>(i)].sensor).direction;
-  const Wall tangent{direction.normalized().dot(c.centre) - c.radius, std::atan2(direction.y(), direction.x())};
-  EchoFit best = fit;
-  double best_likelihood = -std::numeric_limits<double>::infinity();
-  for (const Reflector& start : {Reflector(Cylinder{c.centre, 0.0}), Reflector(tangent),
-                                 Reflector(Cylinder{c.centre, std::max(c.radius, parameters_.support.min_radius)})}) {
-    const auto candidate = fitted(start);
-    if (!candidate) continue;
-    double likelihood = log_likelihood(*candidate, members);
-    if (start.type() == ContourType::arc) {
-      const double radius = candidate->reflector.cylinder().radius;
-      if (radius < parameters_.support.min_radius || radius > parameters_.hough.max_radius + parameters_.hough.radius_bin) continue;
-      likelihood -= parameters_.support.radius_evidence;
-    }
-    if (likelihood <= best_likelihood) continue;
-    best = *candidate;
-    best_likelihood = likelihood;
-  }
-  return best;
-}
-
 void Competition::settle() {
   for (int round = 0; round < kSettleRounds; ++round) {
     share_out();
     for (Object& object : objects_) object.fit = simplest(object.fit, object.members);
-    if (merge_overlapping()) continue;
+    if (merge_two()) continue;
     share_out();
-    if (!drop_weakest() && round > 0) return;
+    if (!drop_weakest() && round > 0) break;
   }
   share_out();
+  for (Object& object : objects_) object.has_news = false;
+}
+
+void Competition::follow() {
+  for (Object& object : objects_) {
+    if (!object.has_news) continue;
+    object.fit = improved(object.fit, arcs_, object.members, parameters_.robust);
+    object.has_news = false;
+  }
+}
+
+void Competition::restart() {
+  objects_.clear();
+  std::fill(explained_.begin(), explained_.end(), model_.log_clutter());
+  std::fill(owner_.begin(), owner_.end(), kNobody);
+  unexplained_ = static_cast<int>(arcs_.size());
 }
 
 ContourMap Competition::map() const {
   ContourMap map;
-  for (const Object& object : objects_) {
+  for (Object object : objects_) {
+    measure(object);
     const Matrix3 covariance = echo_covariance(object.fit, arcs_, object.members, parameters_.robust);
-    const int readings = static_cast<int>(object.members.size());
+    const auto readings = static_cast<int>(object.members.size());
     const Reflector& reflector = object.fit.reflector;
     if (reflector.is_wall()) {
       WallEstimate w{.wall = normalised(reflector.wall()),
@@ -361,7 +285,7 @@ ContourMap Competition::map() const {
                      .end = object.end,
                      .readings = readings,
                      .stops = object.stops};
-      if (reflector.wall().rho < 0.0) {
+      if (reflector.wall().rho < 0.0) {  // its normal was turned, and with it its tangent
         w.covariance(0, 1) = w.covariance(1, 0) = -w.covariance(0, 1);
         w.begin = -object.end;
         w.end = -object.begin;

@@ -1,6 +1,7 @@
 #pragma once
 /// Walls, cylinders and points compete to explain echoes.
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/contour.hpp"
@@ -11,69 +12,94 @@ namespace noctule::mapping {
 /// An object of the map and what speaks for it.
 struct Object {
   EchoFit fit;
-  std::vector<int> members;  ///< arcs it explains
-  double gain = 0.0;         ///< sum over arcs of the log likelihood ratio to the best other explanation
-  int stops = 0;
-  double span = 0.0;   ///< [m], see SupportParameters
-  double begin = 0.0;  ///< of a wall, along its tangent [m]
-  double end = 0.0;
+  std::vector<int> members;    ///< slots of the echoes that shape it
+  double gain = 0.0;           ///< sum over members of the log likelihood ratio to the best other explanation
+  int stops = 0;               ///< different ones among the members
+  double span = 0.0;           ///< see SupportParameters [m]
+  double begin = 0.0;          ///< of a wall, along its tangent [m]
+  double end = 0.0;            ///< [m]
   double viewing_angle = 0.0;  ///< of a cylinder or point [rad]
+  bool has_news = false;       ///< members since the last fit
 };
 
-/// The set of objects that best explains a set of arcs.
+/// The set of objects that best explains a set of echoes (EchoModel), kept while echoes come and go.
 ///
-/// Every echo is explained by one object or by clutter: a Student-t of its range about the object's, a Gaussian of the
-/// direction about the axis of the cone (sd half of half_angle, as transducers hear), or a uniform density. Objects
-/// are proposed by the peaks of the Hough accumulators and refined on the echoes; the one that raises the likelihood
-/// most, beyond what the objects before it explain, is taken; its echoes leave the accumulators; and so on (`grow`).
-/// Then all objects share out all echoes anew, are refitted, merged where solids would overlap, and dropped where too
-/// little is left to them (`settle`).
+/// `grow`: the peaks of the Hough accumulators, refined on the echoes, are candidates. The one that adds most to the
+/// likelihood, beyond what the objects before it explain, is taken, and its echoes leave the accumulators; and so on.
+/// `settle`: all objects share out all echoes anew and are refitted; those that claim the same place are merged; the
+/// weakest is dropped while too little is left to it.
 ///
-/// An echo heard from behind an object contradicts it (the first echo counts): what is contradicted too often is
-/// refused. That, and the points among the rivals, keep corners from becoming false walls.
+/// Two things keep the corners and the noise from becoming walls: points are among the rivals, and an echo from behind
+/// an object contradicts it, since a ranger hears the nearest surface. What is contradicted too often is refused; and
+/// two parallel walls one close before the other, or two solids inside each other, are one object seen from poses with
+/// errors.
 class Competition {
  public:
   Competition(const MapperParameters& parameters, const Extent& extent);
 
-  void add(const SonarArc& arc);
-  void grow();
+  /// Puts an echo into a slot: the one after the last, or an old one, whose echo is forgotten. The objects may take it
+  /// as a member; else it votes.
+  void put(int slot, const SonarArc& arc);
+  /// Looks for objects among the echoes that none explains. \return whether there were any
+  bool grow();
   void settle();
+  /// One Gauss-Newton step of every object that has new members.
+  void follow();
+  /// Forgets all objects.
+  void restart();
 
-  [[nodiscard]] const std::vector<SonarArc>& arcs() const { return arcs_; }
   [[nodiscard]] const std::vector<Object>& objects() const { return objects_; }
+  [[nodiscard]] int unexplained() const { return unexplained_; }  ///< echoes that belong to no object
+  /// Normalised, without a stamp; walls first found first.
   [[nodiscard]] ContourMap map() const;
 
  private:
-  struct Blocked {
-    std::vector<Wall> walls;
-    std::vector<Cylinder> cylinders;
-  };
-  [[nodiscard]] double log_likelihood(const EchoFit& fit, const SonarArc& arc) const;
-  [[nodiscard]] double log_likelihood(const EchoFit& fit, std::span<const int> members) const;
-  [[nodiscard]] std::optional<Object> best_wall(Blocked& blocked);
-  [[nodiscard]] std::optional<Object> best_cylinder(Blocked& blocked);
+  static constexpr int kNobody = -1;
+
+  // echoes and their owners
+  void remove(int slot);
+  void claim(int slot);
+  void share_out();
+  void set_owner(int slot, int owner);
+  void update_votes();
+  void cast(int slot, double weight);
+  void enlarge(const SonarArc& arc);
+
+  // candidates (candidates.cpp)
+  [[nodiscard]] std::optional<Object> best_wall();
+  [[nodiscard]] std::optional<Object> best_round();
   [[nodiscard]] std::optional<Object> refined(const Reflector& start) const;
   [[nodiscard]] std::optional<Object> refined_round(const Cylinder& start) const;
-  [[nodiscard]] EchoFit simplest(const EchoFit& fit, std::span<const int> members) const;
   [[nodiscard]] std::vector<int> supporters(const EchoFit& fit, double window) const;
-  void measure(Object& object) const;
-  [[nodiscard]] bool supported(const Object& object) const;
+  [[nodiscard]] EchoFit simplest(const EchoFit& fit, std::span<const int> members) const;
+  [[nodiscard]] double log_likelihood(const EchoFit& fit, std::span<const int> members) const;
   [[nodiscard]] bool still_worth(Object& object) const;
   void accept(Object object);
-  void share_out();
-  [[nodiscard]] bool overlap(const Object& a, const Object& b) const;
-  bool merge_overlapping();
+
+  // judgement
+  void measure(Object& object) const;
+  [[nodiscard]] bool supported(const Object& object) const;
+  [[nodiscard]] int contradictions(const Object& object) const;
+  [[nodiscard]] bool claim_same_place(const Object& a, const Object& b) const;
+  bool merge_two();
   bool drop_weakest();
 
   MapperParameters parameters_;
-  double log_clutter_;
-  std::vector<SonarArc> arcs_;
-  std::vector<double> explained_;  // log likelihood of the best explanation so far
-  std::vector<int> owner_;
-  std::vector<char> voted_;
-  std::vector<Object> objects_;
+  EchoModel model_;
+  Extent extent_;
   LineVotes lines_;
   CircleVotes circles_;
+
+  // by slot
+  std::vector<SonarArc> arcs_;
+  std::vector<double> explained_;  // log likelihood of the best explanation
+  std::vector<int> owner_;         // object it is a member of
+  std::vector<char> votes_;        // whether it is in the accumulators
+  int unexplained_ = 0;
+
+  std::vector<Object> objects_;
+  std::vector<Wall> refused_walls_;  // peaks of this search that came to nothing
+  std::vector<Cylinder> refused_rounds_;
 };
 
 }  // namespace noctule::mapping

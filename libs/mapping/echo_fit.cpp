@@ -90,6 +90,13 @@ std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc
   return fit;
 }
 
+EchoFit improved(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
+                 const RobustParameters& parameters) {
+  const auto move =
+      step(fit.reflector, arcs, members, [&](const SonarArc& arc) { return parameters.tukey * fit.scale * arc.sigma; });
+  return move ? EchoFit{fit.reflector.moved(*move), fit.scale} : fit;
+}
+
 Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
                         const RobustParameters& parameters) {
   Matrix3 a = Matrix3::Zero();

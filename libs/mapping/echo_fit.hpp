@@ -38,6 +38,11 @@ struct EchoFit {
                                                 std::span<const int> members, const RobustParameters& parameters,
                                                 double precision);
 
+/// One Gauss-Newton step from a fit whose members have changed a little, at its own scale; the fit itself where the
+/// arcs do not determine a step.
+[[nodiscard]] EchoFit improved(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
+                               const RobustParameters& parameters);
+
 /// Covariance of such a fit, order as Reflector::gradient; unused rows are 0. It is the sandwich A^-1 B A^-1 with B
 /// summed by stops (Liang and Zeger 1986), times G / (G - dimension) for G stops: it follows the noise that is there,
 /// and counts readings of one stop, which share the error of its pose, as dependent.

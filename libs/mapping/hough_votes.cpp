@@ -7,9 +7,9 @@ namespace noctule::mapping {
 
 namespace {
 
-constexpr int kMargin = 8;         // rho bins beyond the extent, for the spread of a vote
-constexpr double kWidest = 2.5;    // half width of that spread in bins: broader votes only make peaks flat
-constexpr double kHeld = 0.98;     // share of the data an extent holds
+constexpr int kMargin = 8;       // rho bins beyond the extent, for the spread of a vote
+constexpr double kWidest = 2.5;  // half width of that spread in bins: broader votes only make peaks flat
+constexpr double kHeld = 0.98;   // share of the data an extent holds
 constexpr double kMarginFactor = 1.1;
 
 Extent about(std::span<const Vector2> points) {

@@ -1,21 +1,21 @@
 #pragma once
 #include "core/parameters.hpp"
-#include "mapping/echo_fit.hpp"
+#include "mapping/echo_model.hpp"
 #include "mapping/hough_votes.hpp"
 #include "models/ultrasonic.hpp"
 
 namespace noctule::mapping {
 
-/// What must support an object before it is believed.
+/// What must speak for an object before it is believed.
 struct SupportParameters {
   int min_readings = 20;
   int min_stops = 6;
   double min_span = 0.30;          ///< of the wall seen, or between sensor positions for a cylinder or a point [m]
   double min_gain = 60.0;          ///< log likelihood ratio against all other explanations
   double max_contradiction = 0.5;  ///< echoes heard from behind it, per echo it explains
-  double min_radius = 0.04;        ///< [m]; smaller cylinders are points
-  double radius_evidence = 20.0;   ///< log likelihood ratio against a point that a radius needs
-  double merge_distance = 0.20;    ///< of parallel walls, one before the other: they are one [m]
+  double min_radius = 0.04;        ///< smaller cylinders are points [m]
+  double radius_evidence = 20.0;   ///< log likelihood ratio that a cylinder needs against a point and a wall
+  double merge_distance = 0.20;    ///< walls one before the other, closer than this, are one [m]
   double merge_angle = radians(10.0);
 
   template <class Visitor>
@@ -32,7 +32,7 @@ struct SupportParameters {
     v.field("min_radius_cm", &SupportParameters::min_radius, unit::centimetre, "smaller cylinders are points",
             positive());
     v.field("radius_evidence", &SupportParameters::radius_evidence, unit::one,
-            "log likelihood ratio against a point that a cylinder needs", at_least(0.0));
+            "log likelihood ratio that a cylinder needs against a point and a wall", at_least(0.0));
     v.field("merge_distance_cm", &SupportParameters::merge_distance, unit::centimetre,
             "walls one before the other, closer than this, are one", at_least(0.0));
     v.field("merge_angle_deg", &SupportParameters::merge_angle, unit::degree, "and nearer to parallel than this",
@@ -42,9 +42,11 @@ struct SupportParameters {
 
 struct MapperParameters {
   models::RangeNoise range_noise;
-  double clutter = 0.05;        ///< share of echoes that come from nothing on the map
-  double clutter_range = 4.0;   ///< over which they are spread evenly [m]
-  double stop_distance = 0.05;  ///< between stops [m]
+  double max_noise_scale = 10.0;  ///< largest believed range noise, in nominal standard deviations
+  double stop_distance = 0.05;    ///< scans nearer to each other count as one stop [m]
+  double max_extent = 25.0;       ///< the accumulators cover at most this far around the start [m]
+  int max_arcs = 6000;            ///< echoes that ContourMapper keeps at most
+  EchoModelParameters echo;
   HoughParameters hough;
   RobustParameters robust;
   SupportParameters support;
@@ -52,12 +54,15 @@ struct MapperParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     v.group("range_noise", &MapperParameters::range_noise, "nominal noise of a range");
-    v.field("clutter", &MapperParameters::clutter, unit::one, "share of echoes that come from nothing on the map",
-            between(1e-6, 0.9));
-    v.field("clutter_range_m", &MapperParameters::clutter_range, unit::metre, "over which they are spread evenly",
-            positive());
+    v.field("max_noise_scale", &MapperParameters::max_noise_scale, unit::one,
+            "largest believed range noise, in nominal standard deviations", at_least(1.0));
     v.field("stop_distance_cm", &MapperParameters::stop_distance, unit::centimetre,
             "scans nearer to each other count as one stop", at_least(0.0));
+    v.field("max_extent_m", &MapperParameters::max_extent, unit::metre,
+            "how far around the start the map reaches at most", positive());
+    v.field("max_arcs", &MapperParameters::max_arcs, unit::one, "echoes that the incremental mapper keeps at most",
+            at_least(100));
+    v.group("echo", &MapperParameters::echo, "where echoes come from");
     v.group("hough", &MapperParameters::hough, "resolution of the accumulators");
     v.group("robust", &MapperParameters::robust, "outliers");
     v.group("support", &MapperParameters::support, "evidence an object needs");

@@ -67,7 +67,8 @@ class VoteGrid {
       std::array<float, 8> lane{};  // eight maxima side by side, for the vector unit; votes below 0 are rounding
       int c = 0;
       for (; c + 8 <= columns_; c += 8) {
-        for (std::size_t k = 0; k < 8; ++k) lane[k] = cells[c + static_cast<int>(k)] > lane[k] ? cells[c + static_cast<int>(k)] : lane[k];
+        for (std::size_t k = 0; k < 8; ++k)
+          lane[k] = cells[c + static_cast<int>(k)] > lane[k] ? cells[c + static_cast<int>(k)] : lane[k];
       }
       for (; c < columns_; ++c) lane[0] = std::max(lane[0], cells[c]);
       best_[i] = *std::max_element(lane.begin(), lane.end());

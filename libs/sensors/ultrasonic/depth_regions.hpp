@@ -8,6 +8,7 @@
 #include "core/observations.hpp"
 #include "core/parameters.hpp"
 #include "models/ultrasonic.hpp"
+#include "sensors/ultrasonic/geometry.hpp"
 
 namespace noctule::sensors {
 
@@ -30,13 +31,9 @@ struct DepthRegionParameters {
 
 /// The pings that heard one object, fused; in base_link at the scan.
 struct DepthRegion {
-  Vector2 position = Vector2::Zero();  ///< mean sensor position [m]
-  double range = 0.0;                  ///< robust mean [m]
-  double range_variance = 0.0;         ///< [m^2]
-  double direction = 0.0;              ///< mean of the axes [rad]
-  double direction_variance = 0.0;     ///< [rad^2]
-  double extent = 0.0;                 ///< angle between the outermost axes [rad]
-  std::vector<std::int32_t> beams;     ///< ascending by angle
+  Sighting heard;                   ///< mean sensor position, robust mean range, mean of the axes
+  double extent = 0.0;              ///< angle between the outermost axes [rad]
+  std::vector<std::int32_t> beams;  ///< ascending by angle
 };
 
 /// Scale of the range noise, in units of the nominal one, from differences between neighbouring pings: a discounted

@@ -19,12 +19,8 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxReadings = 64;  ///< that are fused into one sighting while the robot stands
+constexpr int kScaleLag = 4;              ///< scans that the noise scale needs to follow a jump
 constexpr double kAmpleBaseline = 1.5;    ///< in units of the separating one: from here on old sightings may go
-
-[[nodiscard]] Sighting sighting_of(const DepthRegion& region) {
-  return {region.position,           region.range,   region.range_variance, region.direction,
-          region.direction_variance, Matrix3::Zero()};
-}
 
 [[nodiscard]] std::vector<ReadingId> readings_of(const DepthRegion& region, std::int64_t scan_seq) {
   std::vector<ReadingId> readings;
@@ -50,7 +46,7 @@ template <int D>
   h << echo.range_by_feature, echo.direction_by_feature;
   Matrix2 total = h * covariance * h.transpose();
   total(0, 0) += s.range_variance;
-  total(1, 1) += s.direction_variance;
+  total(1, 1) += s.direction_variance + s.direction_bias_variance;
   const Vector2 off(s.range - echo.range, wrap(s.direction - echo.direction));
   const auto llt = cholesky<2>(total);
   return {llt.matrixL().solve(off).squaredNorm(), log_gaussian<2>(off, llt)};
@@ -164,6 +160,19 @@ void UltrasonicExtractor::move(const FrameChange& change) {
     ++track.unseen;
     for (Sighting& s : track.sightings) change.apply(s);
     apply(change, track.fits);
+    distrust_recent(track);
+  }
+}
+
+/// The estimate of the noise lags behind the noise: sightings of the last few scans are believed no better than it
+/// says now.
+void UltrasonicExtractor::distrust_recent(Track& track) const {
+  for (std::size_t i = 0; i < track.sources.size(); ++i) {
+    Source& source = track.sources[i];
+    if (++source.age > kScaleLag || source.noise_scale >= noise_scale()) continue;
+    const double grown = noise_scale() / source.noise_scale;
+    track.sightings[i].range_variance *= grown * grown;
+    source.noise_scale = noise_scale();
   }
 }
 
@@ -203,7 +212,7 @@ void UltrasonicExtractor::associate(const UltrasonicScan& scan, const std::vecto
   Eigen::MatrixXd costs(rows, columns);
   for (Eigen::Index i = 0; i < rows; ++i)
     for (Eigen::Index j = 0; j < columns; ++j)
-      costs(i, j) = cost(tracks_[static_cast<std::size_t>(j)], sighting_of(regions[static_cast<std::size_t>(i)]));
+      costs(i, j) = cost(tracks_[static_cast<std::size_t>(j)], regions[static_cast<std::size_t>(i)].heard);
   std::vector<int> track_of(regions.size(), -1);
   if (rows > 0 && columns > 0) track_of = assign(costs, cost_of_new);
   for (std::size_t i = 0; i < regions.size(); ++i) {
@@ -212,25 +221,25 @@ void UltrasonicExtractor::associate(const UltrasonicScan& scan, const std::vecto
       const double least = costs.row(static_cast<Eigen::Index>(i)).minCoeff(&nearest);
       if (least < cost_of_new) track_of[i] = static_cast<int>(nearest);
     }
-    const Sighting sighting = sighting_of(regions[i]);
-    auto readings = readings_of(regions[i], scan.stamp.seq);
+    const Sighting& sighting = regions[i].heard;
+    Source source{readings_of(regions[i], scan.stamp.seq), noise_scale(), 0};
     if (track_of[i] < 0)
-      start_track(sighting, std::move(readings));
+      start_track(sighting, std::move(source));
     else
-      add(tracks_[static_cast<std::size_t>(track_of[i])], sighting, std::move(readings));
+      add(tracks_[static_cast<std::size_t>(track_of[i])], sighting, std::move(source));
   }
 }
 
-void UltrasonicExtractor::start_track(const Sighting& sighting, std::vector<ReadingId> readings) {
+void UltrasonicExtractor::start_track(const Sighting& sighting, Source source) {
   Track& track = tracks_.emplace_back();
   track.number = next_number_++;
   track.sightings.push_back(sighting);
-  track.readings.push_back(std::move(readings));
+  track.sources.push_back(std::move(source));
 }
 
 /// A sighting from the place of the latest one is fused with it (as long as the odometry between them is better than
 /// the readings): the place counts once.
-void UltrasonicExtractor::add(Track& track, const Sighting& sighting, std::vector<ReadingId> readings) const {
+void UltrasonicExtractor::add(Track& track, const Sighting& sighting, Source source) const {
   track.unseen = 0;
   Sighting& latest = track.sightings.back();
   const Vector2 u(std::cos(latest.direction), std::sin(latest.direction));
@@ -240,14 +249,14 @@ void UltrasonicExtractor::add(Track& track, const Sighting& sighting, std::vecto
                           latest.drift(2, 2) < sighting.direction_variance;
   if (!same_place) {
     track.sightings.push_back(sighting);
-    track.readings.push_back(std::move(readings));
+    track.sources.push_back(std::move(source));
     thin(track);
     return;
   }
-  auto& fused = track.readings.back();
-  if (fused.size() + readings.size() > kMaxReadings) {  // enough: the newest replace the oldest
+  Source& fused = track.sources.back();
+  if (fused.readings.size() + source.readings.size() > kMaxReadings) {  // enough: the newest replace the oldest
     latest = sighting;
-    fused = std::move(readings);
+    fused = std::move(source);
     return;
   }
   const double w = latest.range_variance / (latest.range_variance + sighting.range_variance);
@@ -256,7 +265,9 @@ void UltrasonicExtractor::add(Track& track, const Sighting& sighting, std::vecto
   latest.range_variance *= 1.0 - w;
   latest.direction = wrap(latest.direction + v * wrap(sighting.direction - latest.direction));
   latest.direction_variance *= 1.0 - v;
-  fused.insert(fused.end(), readings.begin(), readings.end());
+  fused.readings.insert(fused.readings.end(), source.readings.begin(), source.readings.end());
+  fused.noise_scale = std::max(fused.noise_scale, source.noise_scale);
+  fused.age = 0;
 }
 
 /// Makes room in a full window: the oldest sighting goes once the others span an ample baseline for the range and the
@@ -276,7 +287,7 @@ void UltrasonicExtractor::thin(Track& track) const {
     }
   }
   track.sightings.erase(track.sightings.begin() + static_cast<std::ptrdiff_t>(goes));
-  track.readings.erase(track.readings.begin() + static_cast<std::ptrdiff_t>(goes));
+  track.sources.erase(track.sources.begin() + static_cast<std::ptrdiff_t>(goes));
 }
 
 void UltrasonicExtractor::refit(Track& track) {
@@ -288,9 +299,9 @@ void UltrasonicExtractor::refit(Track& track) {
   Decision decision = evaluate();
   if (!decision.explained && track.sightings.size() > 1) {  // wrong grouping: what this scan heard starts again
     track.number = next_number_++;
-    while (track.sightings.size() > 1 && track.readings.front().back().scan_seq != last_scan_.seq) {
+    while (track.sightings.size() > 1 && track.sources.front().readings.back().scan_seq != last_scan_.seq) {
       track.sightings.erase(track.sightings.begin());
-      track.readings.erase(track.readings.begin());
+      track.sources.erase(track.sources.begin());
     }
     track.fits = {};
     track.decision = {};
@@ -312,7 +323,8 @@ ContourFeature UltrasonicExtractor::feature(const Track& track) const {
   f.track = track.number;
   f.stops = distinct_positions(track.sightings, parameters_.same_place);
   f.baseline = baseline(track.sightings);
-  for (const auto& readings : track.readings) f.readings.insert(f.readings.end(), readings.begin(), readings.end());
+  for (const Source& source : track.sources)
+    f.readings.insert(f.readings.end(), source.readings.begin(), source.readings.end());
 
   const bool undecided = d.type == ContourType::ambiguous;
   if (fits.wall && (d.type == ContourType::wall || (undecided && d.wall > open))) {

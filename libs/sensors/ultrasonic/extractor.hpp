@@ -72,19 +72,26 @@ class UltrasonicExtractor {
   [[nodiscard]] std::size_t tracks() const { return tracks_.size(); }
 
  private:
+  /// What a sighting was made of.
+  struct Source {
+    std::vector<ReadingId> readings;
+    double noise_scale = 1.0;  ///< that its variance was made with
+    int age = 0;               ///< scans since
+  };
   struct Track {
     std::int64_t number = 0;
-    std::vector<Sighting> sightings;               ///< oldest first
-    std::vector<std::vector<ReadingId>> readings;  ///< of each sighting
+    std::vector<Sighting> sightings;  ///< oldest first
+    std::vector<Source> sources;      ///< of each sighting
     SurfaceFits fits;
     Decision decision;
     int unseen = 0;
   };
 
   void move(const FrameChange& change);
+  void distrust_recent(Track& track) const;
   void associate(const UltrasonicScan& scan, const std::vector<DepthRegion>& regions);
-  void start_track(const Sighting& sighting, std::vector<ReadingId> readings);
-  void add(Track& track, const Sighting& sighting, std::vector<ReadingId> readings) const;
+  void start_track(const Sighting& sighting, Source source);
+  void add(Track& track, const Sighting& sighting, Source source) const;
   void thin(Track& track) const;
   void refit(Track& track);
   [[nodiscard]] double cost(const Track& track, const Sighting& sighting) const;

@@ -19,6 +19,9 @@ struct Sighting {
   double range_variance = 0.0;         ///< of the ranging alone [m^2]
   double direction = 0.0;              ///< of the echo [rad]
   double direction_variance = 0.0;     ///< of the hearing alone [rad^2]; +inf: the direction is not used
+  /// Variance of an error that all directions share, on top: pings on a fixed grid of angles pull the directions of
+  /// one surface to the same side at every stop [rad^2].
+  double direction_bias_variance = 0.0;
   /// Covariance of the twist (x, y, yaw) about the origin by which odometry may have displaced this stop in the frame
   /// of the fit: a point p of the stop moves by (x, y) + yaw * (-p.y, p.x). Twists accumulate backwards in time, so
   /// that two stops share the twist of the later one: Cov(i, j) = drift of max(i, j).

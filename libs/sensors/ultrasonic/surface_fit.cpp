@@ -79,6 +79,7 @@ void linearise(std::span<const Sighting> sightings, const Factors& factors, cons
   out.jacobian.resize(n, Model::kSize);
   out.covariance.resize(n, n);
   Rows<3> twist(n, 3);  // residual by the twist of the stop: range by displaced sensor; direction also by the turn
+  Rows<1> bias(n);
   int row = 0;
   for (std::size_t k = 0; k < sightings.size(); ++k) {
     const Sighting& s = sightings[k];
@@ -97,7 +98,8 @@ void linearise(std::span<const Sighting> sightings, const Factors& factors, cons
     }
     for (int i = first; i < row; ++i) {  // all earlier rows share the twist of this, the later, stop
       const Eigen::RowVector3d shared = twist.row(i) * s.drift;
-      for (int j = 0; j <= i; ++j) out.covariance(i, j) = shared.dot(twist.row(j));
+      bias[i] = i == first ? 0.0 : std::sqrt(s.direction_bias_variance);
+      for (int j = 0; j <= i; ++j) out.covariance(i, j) = shared.dot(twist.row(j)) + bias[i] * bias[j];
     }
     out.covariance(first, first) += factors[k] * s.range_variance;
     if (row == first + 2) out.covariance(first + 1, first + 1) += s.direction_variance;
