@@ -5,6 +5,8 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "core/error.hpp"
@@ -25,7 +27,9 @@ class Checker {
     check(key, object_.*member, unit, range);
   }
   template <class Member>
-  void field(const char*, Member T::*, const char*) {}
+  void field(const char* key, Member T::*member, const char*) {
+    check(key, object_.*member, unit::one, {});
+  }
   template <class Enum>
   void choice(const char*, Enum T::*, const Choices<Enum>&, const char*) {}
   template <class Member>
@@ -40,6 +44,11 @@ class Checker {
   void list(const char* key, std::vector<Member> T::*member, const char*) {
     const auto& items = object_.*member;
     for (std::size_t i = 0; i < items.size(); ++i) nested(std::string(key) + "[" + std::to_string(i) + "]", items[i]);
+  }
+
+  template <class... Alternatives>
+  void one_of(const char* key, std::variant<Alternatives...> T::*member, const std::vector<std::string>&, const char*) {
+    std::visit([&](const auto& alternative) { nested(key, alternative); }, object_.*member);
   }
 
   /// The first problem: of a value, of a nested struct, else across the fields of this one.
@@ -80,8 +89,8 @@ class Checker {
 
   template <class Member>
   void check(const char* key, const Member& value, const Unit& unit, const Range& range) {
-    if constexpr (std::is_same_v<Member, bool> || std::is_same_v<Member, std::string>) {
-      return;
+    if constexpr (std::is_same_v<Member, bool> || std::is_convertible_v<Member, std::string>) {
+      return;  // switches, texts, paths
     } else if constexpr (std::is_arithmetic_v<Member>) {
       check_number(key, static_cast<double>(value) / unit.to_si, range);
     } else if constexpr (std::is_same_v<Member, Vector2>) {

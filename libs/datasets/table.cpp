@@ -1,43 +1,16 @@
 #include "datasets/table.hpp"
 
-#include <zlib.h>
-
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <memory>
 #include <string_view>
 #include <system_error>
 
 #include "core/error.hpp"
+#include "datasets/file_content.hpp"
 
 namespace noctule::datasets {
 namespace {
-
-struct Text {
-  std::string content;
-  bool cut_off = false;  // a gzip file that ends too early
-};
-
-Text read_text(const std::filesystem::path& path) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), &gzclose_r);
-  if (!file) throw InputError(path.string() + ": expected a readable file, got: cannot be opened");
-  Text text;
-  std::array<char, 1 << 16> block;
-  for (;;) {
-    const int got = gzread(file.get(), block.data(), static_cast<unsigned>(block.size()));
-    if (got > 0) text.content.append(block.data(), static_cast<std::size_t>(got));
-    if (got == static_cast<int>(block.size())) continue;
-    int code = Z_OK;
-    const std::string message = gzerror(file.get(), &code);
-    if (code == Z_BUF_ERROR) text.cut_off = true;
-    if (code != Z_OK && code != Z_BUF_ERROR) {
-      throw InputError(path.string() + ": expected a readable text or gzip file, got: " +
-                       (code == Z_ERRNO ? std::generic_category().message(errno) : message));
-    }
-    return text;
-  }
-}
 
 std::string_view trimmed(std::string_view s) {
   const auto first = s.find_first_not_of(" \t\r");
@@ -91,8 +64,8 @@ std::string parse(const std::vector<std::string_view>& fields, const TableFormat
 
 Table::Table(const std::filesystem::path& path, const TableFormat& format)
     : path_(path.string()), columns_(format.columns) {
-  const Text text = read_text(path);
-  std::string_view rest = text.content;
+  const FileContent text = read_file(path);
+  std::string_view rest = text.bytes;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);  // byte order mark
   std::vector<std::string_view> fields;
   bool header_seen = format.header.empty();

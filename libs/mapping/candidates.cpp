@@ -11,23 +11,19 @@ namespace {
 constexpr double kPeakWindow = 0.08;  // residuals allowed at a peak of the accumulators [m]
 constexpr int kRefinements = 3;       // of the set of echoes and the fit to it
 constexpr int kMaxRefusals = 12;      // peaks of a kind tried in vain before a search gives up
-constexpr double kRough = 1e-4;       // precision of candidates' fits [m, rad]
+constexpr double kRough = 1e-3;       // precision of candidates' fits [m, rad]
 constexpr double kFine = 1e-8;
-constexpr double kWorth = 0.9;                  // share of its gain a candidate must keep when another was taken
-constexpr double kRefusedAngle = radians(3.0);  // peaks as near to a refused one are the same
-constexpr double kRefusedRho = 0.06;            // [m]
-constexpr double kRefusedCentre = 0.10;         // [m]
-constexpr double kRefusedRadius = 0.10;         // [m]
-constexpr double kPeakShare = 0.3;              // of the votes of min_readings echoes that a line's peak must hold
+constexpr double kWorth = 0.9;      // share of its gain a candidate must keep when another was taken
+constexpr double kPeakShare = 0.3;  // of the votes of min_readings echoes that a line's peak must hold
 
 }  // namespace
 
 std::vector<int> Competition::supporters(const EchoFit& fit, double window) const {
   std::vector<int> members;
   for (std::size_t i = 0; i < arcs_.size(); ++i) {
-    const double residual = std::abs(arcs_[i].range - fit.reflector.sight(arcs_[i].sensor).range);
-    if (residual < std::max(window, model_.cut(fit, arcs_[i])) &&
-        model_.log_likelihood(fit, arcs_[i]) > explained_[i]) {
+    const Reflector::Sight sight = fit.reflector.sight(arcs_[i].sensor);
+    if (std::abs(arcs_[i].range - sight.range) < std::max(window, model_.cut(fit, arcs_[i])) &&
+        model_.log_likelihood(fit, sight, arcs_[i]) > explained_[i]) {
       members.push_back(static_cast<int>(i));
     }
   }
@@ -47,7 +43,7 @@ std::optional<Object> Competition::refined(const Reflector& start) const {
       return {};
     }
   }
-  Object object{.fit = fit, .members = supporters(fit, 0.0)};
+  Object object{.fit = fit, .members = supporters(fit, 0.0), .evidence = {}};
   measure(object);
   return object;
 }
@@ -99,36 +95,23 @@ EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) 
 }
 
 std::optional<Object> Competition::best_wall() {
-  const SonarArc& typical = arcs_.front();
-  const auto threshold = static_cast<float>(kPeakShare * parameters_.support.min_readings *
-                                            parameters_.hough.theta_bin / (2.0 * typical.half_angle));
+  const double share_of_one = parameters_.hough.theta_bin / (2.0 * arcs_.front().half_angle);
+  const double threshold = kPeakShare * parameters_.support.min_readings * share_of_one;
   for (int refusals = 0; refusals < kMaxRefusals; ++refusals) {
-    const VoteGrid::Peak peak = lines_.grid().best(threshold, [&](int row, int column) {
-      const Wall w = lines_.wall({row, column, 0.0F});
-      return std::none_of(refused_walls_.begin(), refused_walls_.end(), [&](const Wall& r) {
-        return std::abs(wrap(w.theta - r.theta)) < kRefusedAngle && std::abs(w.rho - r.rho) < kRefusedRho;
-      });
-    });
-    if (peak.row < 0) return {};
-    const Wall start = lines_.wall(peak);
-    if (auto object = refined(Reflector(start)); object && supported(*object)) return object;
-    refused_walls_.push_back(start);
+    const auto peak = lines_.best(threshold);
+    if (!peak) return {};
+    if (auto object = refined(Reflector(peak->wall)); object && supported(*object)) return object;
+    lines_.refuse(*peak);
   }
   return {};
 }
 
 std::optional<Object> Competition::best_round() {
   for (int refusals = 0; refusals < kMaxRefusals; ++refusals) {
-    const VoteGrid::Peak peak = circles_.grid().best(0.0F, [&](int row, int column) {
-      const Cylinder c = circles_.cylinder({row, column, 0.0F});
-      return std::none_of(refused_rounds_.begin(), refused_rounds_.end(), [&](const Cylinder& r) {
-        return (c.centre - r.centre).norm() < kRefusedCentre && std::abs(c.radius - r.radius) < kRefusedRadius;
-      });
-    });
-    if (peak.row < 0) return {};
-    const Cylinder start = circles_.cylinder(peak);
-    if (auto object = refined_round(start); object && supported(*object)) return object;
-    refused_rounds_.push_back(start);
+    const auto peak = circles_.best(0.0);
+    if (!peak) return {};
+    if (auto object = refined_round(peak->cylinder); object && supported(*object)) return object;
+    circles_.refuse(*peak);
   }
   return {};
 }
@@ -154,8 +137,8 @@ void Competition::accept(Object object) {
 bool Competition::grow() {
   if (arcs_.empty()) return false;
   update_votes();
-  refused_walls_.clear();
-  refused_rounds_.clear();
+  lines_.allow_all();
+  circles_.allow_all();
   const std::size_t before = objects_.size();
   std::optional<Object> wall, round;
   while (true) {

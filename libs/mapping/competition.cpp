@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mapping/rho_theta.hpp"
 
@@ -11,15 +10,6 @@ namespace {
 
 constexpr int kSettleRounds = 12;  // at most
 constexpr double kGrowth = 1.5;    // of the extent, beyond what is needed
-
-double diameter(std::span<const SonarArc> arcs, std::span<const int> members) {
-  Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const int i : members) {
-    low = low.cwiseMin(arcs[static_cast<std::size_t>(i)].sensor);
-    high = high.cwiseMax(arcs[static_cast<std::size_t>(i)].sensor);
-  }
-  return members.empty() ? 0.0 : (high - low).norm();
-}
 
 Extent limited(Extent extent, double most) {
   extent.radius = std::min(extent.radius, most);
@@ -141,7 +131,7 @@ void Competition::share_out() {
     set_owner(static_cast<int>(i), owner);
   }
   for (Object& object : objects_) {
-    measure(object);
+    object.evidence = evidence_of(object.fit.reflector, arcs_, object.members);
     object.gain = 0.0;
     for (const int i : object.members) {
       object.gain += explained_[static_cast<std::size_t>(i)] - second[static_cast<std::size_t>(i)];
@@ -150,36 +140,17 @@ void Competition::share_out() {
 }
 
 void Competition::measure(Object& object) const {
-  const Reflector& reflector = object.fit.reflector;
-  std::vector<int> stops;
-  std::vector<double> where;  // feet along the wall, or directions to the centre
+  object.evidence = evidence_of(object.fit.reflector, arcs_, object.members);
   object.gain = 0.0;
   for (const int i : object.members) {
-    const SonarArc& arc = arcs_[static_cast<std::size_t>(i)];
-    stops.push_back(arc.stop);
-    const Vector2 d = reflector.sight(arc.sensor).direction;
-    where.push_back(reflector.is_wall() ? reflector.wall().tangent().dot(arc.sensor) : std::atan2(d.y(), d.x()));
-    object.gain += std::max(0.0, model_.log_likelihood(object.fit, arc) - explained_[static_cast<std::size_t>(i)]);
-  }
-  std::sort(stops.begin(), stops.end());
-  object.stops = static_cast<int>(std::unique(stops.begin(), stops.end()) - stops.begin());
-  if (where.empty()) return;
-  std::sort(where.begin(), where.end());
-  if (reflector.is_wall()) {
-    object.begin = where.front();
-    object.end = where.back();
-    object.span = object.end - object.begin;
-  } else {
-    double gap = kTwoPi - (where.back() - where.front());
-    for (std::size_t i = 1; i < where.size(); ++i) gap = std::max(gap, where[i] - where[i - 1]);
-    object.viewing_angle = kTwoPi - gap;
-    object.span = diameter(arcs_, object.members);
+    const auto k = static_cast<std::size_t>(i);
+    object.gain += std::max(0.0, model_.log_likelihood(object.fit, arcs_[k]) - explained_[k]);
   }
 }
 
 int Competition::contradictions(const Object& object) const {
   const Reflector& reflector = object.fit.reflector;
-  const Vector2 tangent = reflector.is_wall() ? reflector.wall().tangent() : Vector2::Zero();
+  const Vector2 tangent = reflector.tangent();
   int count = 0;
   for (const SonarArc& arc : arcs_) {
     const Reflector::Sight sight = reflector.sight(arc.sensor);
@@ -188,7 +159,7 @@ int Competition::contradictions(const Object& object) const {
     if (sight.range <= 0.0 || arc.range < sight.range + margin || off_axis2(sight, arc) > beam * beam) continue;
     if (reflector.is_wall()) {
       const double at = tangent.dot(arc.sensor);
-      if (at < object.begin || at > object.end) continue;
+      if (at < object.evidence.begin || at > object.evidence.end) continue;
     }
     ++count;
   }
@@ -197,9 +168,9 @@ int Competition::contradictions(const Object& object) const {
 
 bool Competition::supported(const Object& object) const {
   const SupportParameters& need = parameters_.support;
-  const auto readings = static_cast<int>(object.members.size());
-  return readings >= need.min_readings && object.stops >= need.min_stops && object.span >= need.min_span &&
-         object.gain >= need.min_gain && contradictions(object) <= need.max_contradiction * readings;
+  const Evidence& has = object.evidence;
+  return has.readings >= need.min_readings && has.stops >= need.min_stops && has.span >= need.min_span &&
+         object.gain >= need.min_gain && contradictions(object) <= need.max_contradiction * has.readings;
 }
 
 bool Competition::claim_same_place(const Object& a, const Object& b) const {
@@ -213,7 +184,8 @@ bool Competition::claim_same_place(const Object& a, const Object& b) const {
   const Wall wa = ra.wall(), wb = rb.wall();
   if (std::abs(wrap(wa.theta - wb.theta)) > parameters_.support.merge_angle) return false;
   const auto along = [&](double s) { return wa.tangent().dot(foot(wb) + s * wb.tangent()); };
-  const double low = std::max(a.begin, along(b.begin)), high = std::min(a.end, along(b.end));
+  const double low = std::max(a.evidence.begin, along(b.evidence.begin));
+  const double high = std::min(a.evidence.end, along(b.evidence.end));
   return low <= high && std::abs(wb.distance(foot(wa) + 0.5 * (low + high) * wa.tangent())) < limit;
 }
 
@@ -273,28 +245,16 @@ void Competition::restart() {
 
 ContourMap Competition::map() const {
   ContourMap map;
-  for (Object object : objects_) {
-    measure(object);
-    const Matrix3 covariance = echo_covariance(object.fit, arcs_, object.members, parameters_.robust);
-    const auto readings = static_cast<int>(object.members.size());
+  for (const Object& object : objects_) {
     const Reflector& reflector = object.fit.reflector;
+    const Evidence e = evidence_of(reflector, arcs_, object.members);
+    const Matrix3 covariance = echo_covariance(object.fit, arcs_, object.members, parameters_.robust);
     if (reflector.is_wall()) {
-      WallEstimate w{.wall = normalised(reflector.wall()),
-                     .covariance = covariance.topLeftCorner<2, 2>(),
-                     .begin = object.begin,
-                     .end = object.end,
-                     .readings = readings,
-                     .stops = object.stops};
-      if (reflector.wall().rho < 0.0) {  // its normal was turned, and with it its tangent
-        w.covariance(0, 1) = w.covariance(1, 0) = -w.covariance(0, 1);
-        w.begin = -object.end;
-        w.end = -object.begin;
-      }
-      map.walls.push_back(w);
+      map.walls.push_back(wall_estimate(object.fit, covariance, e));
     } else if (reflector.type() == ContourType::arc) {
-      map.cylinders.push_back({reflector.cylinder(), covariance, object.viewing_angle, readings, object.stops});
+      map.cylinders.push_back({reflector.cylinder(), covariance, e.viewing_angle, e.readings, e.stops});
     } else {
-      map.points.push_back({reflector.cylinder().centre, covariance.topLeftCorner<2, 2>(), readings, object.stops});
+      map.points.push_back({reflector.cylinder().centre, covariance.topLeftCorner<2, 2>(), e.readings, e.stops});
     }
   }
   return map;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/contour.hpp"
+#include "mapping/estimates.hpp"
 #include "mapping/mapper_parameters.hpp"
 
 namespace noctule::mapping {
@@ -12,14 +13,10 @@ namespace noctule::mapping {
 /// An object of the map and what speaks for it.
 struct Object {
   EchoFit fit;
-  std::vector<int> members;    ///< slots of the echoes that shape it
-  double gain = 0.0;           ///< sum over members of the log likelihood ratio to the best other explanation
-  int stops = 0;               ///< different ones among the members
-  double span = 0.0;           ///< see SupportParameters [m]
-  double begin = 0.0;          ///< of a wall, along its tangent [m]
-  double end = 0.0;            ///< [m]
-  double viewing_angle = 0.0;  ///< of a cylinder or point [rad]
-  bool has_news = false;       ///< members since the last fit
+  std::vector<int> members;  ///< slots of the echoes that shape it
+  Evidence evidence;         ///< of the members
+  double gain = 0.0;         ///< sum over members of the log likelihood ratio to the best other explanation
+  bool has_news = false;     ///< members since the last fit
 };
 
 /// The set of objects that best explains a set of echoes (EchoModel), kept while echoes come and go.
@@ -98,8 +95,6 @@ class Competition {
   int unexplained_ = 0;
 
   std::vector<Object> objects_;
-  std::vector<Wall> refused_walls_;  // peaks of this search that came to nothing
-  std::vector<Cylinder> refused_rounds_;
 };
 
 }  // namespace noctule::mapping

@@ -9,7 +9,7 @@
 namespace noctule::mapping {
 
 /// The map that all scans together give; the stamp is the last scan's. No scans, no walls.
-/// \throws InputError as ArcReader::read
+/// \throws InputError as check() of mapping/sonar_arc.hpp
 [[nodiscard]] ContourMap map_contours(std::span<const PosedScan> scans, const MapperParameters& parameters);
 
 /// The same, as scans arrive.
@@ -24,7 +24,7 @@ class ContourMapper {
  public:
   explicit ContourMapper(const MapperParameters& parameters);
 
-  /// \throws InputError as ArcReader::read; the scan is then left out
+  /// \throws InputError as check() of mapping/sonar_arc.hpp; the scan is then left out
   void add(const UltrasonicScan& scan, const Pose2& base_in_map);
   [[nodiscard]] ContourMap map() const;
 

@@ -57,8 +57,9 @@ std::optional<Vector3> step(const Reflector& reflector, std::span<const SonarArc
     const SonarArc& arc = arcs[static_cast<std::size_t>(i)];
     const Reflector::Sight s = reflector.sight(arc.sensor);
     const double e = arc.range - s.range;
-    const double w = biweight(e / cut(arc)).weight / (arc.sigma * arc.sigma);
-    if (w <= 0.0) continue;
+    const double c = cut(arc);
+    if (std::abs(e) >= c) continue;
+    const double w = biweight(e / c).weight / (arc.sigma * arc.sigma);
     const Vector3 j = reflector.gradient(arc.sensor, s);
     a.noalias() += w * j * j.transpose();
     b.noalias() += (w * e) * j;
@@ -84,7 +85,7 @@ std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc
                            [&](const SonarArc& arc) { return parameters.tukey * fit.scale * arc.sigma; });
     if (!move) return {};
     fit.reflector = fit.reflector.moved(*move);
-    if (i >= 2 && move->norm() < precision) break;
+    if (i >= 1 && move->norm() < precision) break;
     if (i == 1) fit.scale = median_scale(fit.reflector, arcs, members, fit.scale, parameters);
   }
   return fit;

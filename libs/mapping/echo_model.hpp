@@ -16,22 +16,24 @@ struct EchoModelParameters {
             between(1e-6, 0.9));
     v.field("clutter_range_m", &EchoModelParameters::clutter_range, unit::metre, "over which they are spread evenly",
             positive());
-    v.field("tail", &EchoModelParameters::tail, unit::one, "degrees of freedom of the Student-t of ranges",
-            at_least(1.0));
     v.field("cone_margin_deg", &EchoModelParameters::cone_margin, unit::degree,
             "how far outside its cone an echo may come from, for errors of the heading", between(0.0, 45.0));
   }
 };
 
-/// Density of an echo's range [m] and direction [rad]: from a reflector, a Student-t about the predicted range times a
-/// Gaussian about the axis with half the cone's half angle, as transducers hear; from clutter, uniform.
+/// Density of an echo's range [m] and direction [rad]: from a reflector, a Student-t (3 degrees of freedom) about the
+/// predicted range times a Gaussian about the axis with half the cone's half angle, as transducers hear; from clutter,
+/// uniform.
 class EchoModel {
  public:
   EchoModel(const EchoModelParameters& parameters, const RobustParameters& robust);
 
   [[nodiscard]] double log_clutter() const { return log_clutter_; }
   /// -inf for what lies outside the cone, behind the sensor, or further off than any noise.
-  [[nodiscard]] double log_likelihood(const EchoFit& fit, const SonarArc& arc) const;
+  [[nodiscard]] double log_likelihood(const EchoFit& fit, const SonarArc& arc) const {
+    return log_likelihood(fit, fit.reflector.sight(arc.sensor), arc);
+  }
+  [[nodiscard]] double log_likelihood(const EchoFit& fit, const Reflector::Sight& sight, const SonarArc& arc) const;
   /// Largest residual of an echo that may shape the fit [m].
   [[nodiscard]] double cut(const EchoFit& fit, const SonarArc& arc) const {
     return std::max(robust_.floor, robust_.tukey * fit.scale * arc.sigma);
@@ -41,7 +43,6 @@ class EchoModel {
   EchoModelParameters parameters_;
   RobustParameters robust_;
   double log_clutter_;
-  double log_top_;  // of the Student-t and the Gaussian, apart from their widths
 };
 
 /// Squared chord between the direction of the echo and the axis: nearly the squared angle, without its sine.

@@ -11,6 +11,8 @@ constexpr int kMargin = 8;       // rho bins beyond the extent, for the spread o
 constexpr double kWidest = 2.5;  // half width of that spread in bins: broader votes only make peaks flat
 constexpr double kHeld = 0.98;   // share of the data an extent holds
 constexpr double kMarginFactor = 1.1;
+constexpr double kRefusedAngle = radians(3.0);  // peaks as near as this to a refused one are the same
+constexpr double kRefusedDistance = 0.06;       // [m]
 
 Extent about(std::span<const Vector2> points) {
   Extent extent;
@@ -43,7 +45,7 @@ Extent Extent::of(std::span<const PointWithCovariance> points) {
 }
 
 LineVotes::LineVotes(const HoughParameters& parameters, const Extent& extent, Normals normals)
-    : parameters_(parameters), extent_(extent) {
+    : parameters_(parameters), extent_(extent), undirected_(normals == Normals::undirected) {
   const int full_turn = static_cast<int>(std::lround(kTwoPi / parameters.theta_bin / 2.0)) * 2;
   parameters_.theta_bin = kTwoPi / full_turn;
   const int rows = normals == Normals::directed ? full_turn : full_turn / 2;
@@ -87,10 +89,25 @@ void LineVotes::vote(const PointWithCovariance& point, double weight) {
   }
 }
 
-Wall LineVotes::wall(const VoteGrid::Peak& peak) const {
-  const Wall local{(peak.column - 0.5 * (grid_.columns() - 1)) * parameters_.rho_bin,
-                   wrap(peak.row * parameters_.theta_bin)};
-  return {local.rho + local.normal().dot(extent_.centre), local.theta};
+std::optional<LineVotes::Peak> LineVotes::best(double threshold) {
+  const VoteGrid::Peak cell = grid_.best(static_cast<float>(threshold));
+  if (cell.row < 0) return {};
+  Wall wall{(cell.column - 0.5 * (grid_.columns() - 1)) * parameters_.rho_bin, wrap(cell.row * parameters_.theta_bin)};
+  wall.rho += wall.normal().dot(extent_.centre);
+  return Peak{wall, cell.votes, cell};
+}
+
+void LineVotes::refuse(const Peak& peak) {
+  const int rows = grid_.rows(), last = grid_.columns() - 1;
+  const auto reach_theta = static_cast<int>(std::ceil(kRefusedAngle / parameters_.theta_bin));
+  const auto reach_rho = static_cast<int>(std::ceil(kRefusedDistance / parameters_.rho_bin));
+  for (int i = -reach_theta; i <= reach_theta; ++i) {
+    const int row = peak.cell.row + i;
+    // Half a turn further undirected lines come back with the sign of rho changed.
+    const bool turned = undirected_ && (row < 0 || row >= rows);
+    const int column = turned ? last - peak.cell.column : peak.cell.column;
+    grid_.forbid((row + rows) % rows, column - reach_rho, column + reach_rho);
+  }
 }
 
 CircleVotes::CircleVotes(const HoughParameters& parameters, const Extent& extent)
@@ -148,10 +165,23 @@ void CircleVotes::vote(const PointWithCovariance& point, double weight) {
   }
 }
 
-Cylinder CircleVotes::cylinder(const VoteGrid::Peak& peak) const {
-  const int layer = peak.row / cells_, y = peak.row % cells_;
-  const Vector2 centre = corner_ + parameters_.centre_bin * Vector2(peak.column + 0.5, y + 0.5);
-  return {centre, layer * parameters_.radius_bin};
+std::optional<CircleVotes::Peak> CircleVotes::best(double threshold) {
+  const VoteGrid::Peak cell = grid_.best(static_cast<float>(threshold));
+  if (cell.row < 0) return {};
+  const int layer = cell.row / cells_, y = cell.row % cells_;
+  const Vector2 centre = corner_ + parameters_.centre_bin * Vector2(cell.column + 0.5, y + 0.5);
+  return Peak{{centre, layer * parameters_.radius_bin}, cell.votes, cell};
+}
+
+void CircleVotes::refuse(const Peak& peak) {
+  const int layer = peak.cell.row / cells_, y = peak.cell.row % cells_;
+  const auto reach = static_cast<int>(std::ceil(kRefusedDistance / parameters_.centre_bin));
+  const auto reach_radius = static_cast<int>(std::ceil(kRefusedDistance / parameters_.radius_bin));
+  for (int k = std::max(0, layer - reach_radius); k <= std::min(layers_ - 1, layer + reach_radius); ++k) {
+    for (int row = std::max(0, y - reach); row <= std::min(cells_ - 1, y + reach); ++row) {
+      grid_.forbid(k * cells_ + row, peak.cell.column - reach, peak.cell.column + reach);
+    }
+  }
 }
 
 }  // namespace noctule::mapping

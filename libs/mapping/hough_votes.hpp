@@ -1,5 +1,6 @@
 #pragma once
 /// Accumulators of the Hough transforms. Votes can be taken back, so an object that has been found leaves no trace.
+#include <optional>
 #include <vector>
 
 #include "core/parameters.hpp"
@@ -52,14 +53,23 @@ class LineVotes {
   /// Weight 1 in each theta bin, spread over rho by the variance n' C n.
   void vote(const PointWithCovariance& point, double weight);
 
-  [[nodiscard]] VoteGrid& grid() { return grid_; }
-  [[nodiscard]] Wall wall(const VoteGrid::Peak& peak) const;  ///< at the middle of the bin, in the map frame
+  struct Peak {
+    Wall wall;  ///< at the middle of the bin, map frame
+    double votes = 0.0;
+    VoteGrid::Peak cell;
+  };
+  /// The line with the most votes, more than `threshold`.
+  [[nodiscard]] std::optional<Peak> best(double threshold);
+  /// Passes over a peak and its neighbourhood from now on, until `allow_all`.
+  void refuse(const Peak& peak);
+  void allow_all() { grid_.allow_all(); }
 
  private:
   void spread(int row, double rho, double sigma, double weight);
 
   HoughParameters parameters_;
   Extent extent_;
+  bool undirected_;
   std::vector<Vector2> normals_;
   VoteGrid grid_;
 };
@@ -75,8 +85,14 @@ class CircleVotes {
   /// A point of the surface has the centre at distance R in any direction.
   void vote(const PointWithCovariance& point, double weight);
 
-  [[nodiscard]] VoteGrid& grid() { return grid_; }
-  [[nodiscard]] Cylinder cylinder(const VoteGrid::Peak& peak) const;
+  struct Peak {
+    Cylinder cylinder;  ///< at the middle of the bin, map frame
+    double votes = 0.0;
+    VoteGrid::Peak cell;
+  };
+  [[nodiscard]] std::optional<Peak> best(double threshold);
+  void refuse(const Peak& peak);
+  void allow_all() { grid_.allow_all(); }
 
  private:
   void add(int layer, const Vector2& p, double distance, double weight);

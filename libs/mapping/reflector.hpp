@@ -19,6 +19,8 @@ class Reflector {
   [[nodiscard]] int dimension() const { return type_ == ContourType::arc ? 3 : 2; }
   [[nodiscard]] Wall wall() const { return {offset_, theta_}; }
   [[nodiscard]] Cylinder cylinder() const { return {vector_, offset_}; }
+  /// Along a wall; a matter of convention for the others.
+  [[nodiscard]] Vector2 tangent() const { return {-vector_.y(), vector_.x()}; }
 
   /// What a sensor at `p` [m] gets: the range [m] (negative behind a wall or inside a cylinder) and the direction of
   /// the echo, a unit vector.

@@ -23,6 +23,16 @@ template <class... Words>
   throw InputError(line.str());
 }
 
+/// Whether two pings were sent from about the same place in about the same direction, and heard.
+bool overlap(const UltrasonicBeam& a, const UltrasonicBeam& b, double half_angle) {
+  constexpr double kSamePlace = 0.02;  // [m]
+  return a.echo == Echo::hit && b.echo == Echo::hit &&
+         std::abs(wrap(a.sensor_in_base.yaw - b.sensor_in_base.yaw)) < half_angle &&
+         (a.sensor_in_base.position() - b.sensor_in_base.position()).norm() < kSamePlace;
+}
+
+}  // namespace
+
 void check(const UltrasonicScan& scan, const Pose2& base_in_map) {
   if (!base_in_map.finite()) refuse(scan, "base_in_map: expected finite numbers, got ", base_in_map);
   if (!(scan.half_angle > 0.0 && scan.half_angle < kPi / 2.0)) {
@@ -39,16 +49,6 @@ void check(const UltrasonicScan& scan, const Pose2& base_in_map) {
     }
   }
 }
-
-/// Whether two pings were sent from about the same place in about the same direction, and heard.
-bool overlap(const UltrasonicBeam& a, const UltrasonicBeam& b, double half_angle) {
-  constexpr double kSamePlace = 0.02;  // [m]
-  return a.echo == Echo::hit && b.echo == Echo::hit &&
-         std::abs(wrap(a.sensor_in_base.yaw - b.sensor_in_base.yaw)) < half_angle &&
-         (a.sensor_in_base.position() - b.sensor_in_base.position()).norm() < kSamePlace;
-}
-
-}  // namespace
 
 void NoiseScale::observe(double range, double neighbour, double sigma) {
   differences_[seen_ % kWindow] = std::abs(range - neighbour) / (std::numbers::sqrt2 * sigma);

@@ -43,6 +43,10 @@ class NoiseScale {
   std::size_t seen_ = 0;
 };
 
+/// \throws InputError, naming scan and beam, when the pose, the cone or a hit is not finite, or not positive where it
+///         must be
+void check(const UltrasonicScan& scan, const Pose2& base_in_map);
+
 /// Turns posed scans into arcs, numbers the stops and sets the noise: scans taken within a small distance of each other
 /// are one stop.
 class ArcReader {
@@ -53,8 +57,7 @@ class ArcReader {
       : noise_(noise), stop_distance_(stop_distance), scale_(largest_scale) {}
 
   /// Appends one arc for each Echo::hit of the scan.
-  /// \throws InputError when the pose, the cone or a hit is not finite, or not positive where it must be; nothing is
-  ///         appended then
+  /// \throws InputError as check(); nothing is appended then
   void read(const UltrasonicScan& scan, const Pose2& base_in_map, std::vector<SonarArc>& arcs);
 
  private:
@@ -67,7 +70,7 @@ class ArcReader {
 
 /// The naive map: every echo on the axis of its cone, p + r (cos a, sin a) in the map frame [m]. It bends walls towards
 /// the robot, by up to r (1 - cos half_angle); kept for comparison.
-/// \throws InputError as ArcReader::read
+/// \throws InputError as check()
 [[nodiscard]] std::vector<Vector2> direct_points(std::span<const PosedScan> scans);
 
 }  // namespace noctule::mapping

@@ -55,9 +55,14 @@ class Axes {
   }
   [[nodiscard]] bool drawable(double value) const { return std::isfinite(value) && (!logarithmic_ || value > 0.0); }
   [[nodiscard]] Ticks value_ticks() const {
-    return logarithmic_ ? log_ticks(std::pow(10.0, low_), std::pow(10.0, high_)) : linear_ticks(low_, high_, 4);
+    return logarithmic_ ? log_ticks(std::pow(10.0, low_), std::pow(10.0, high_)) : linear_ticks(low_, high_, 6);
   }
-  [[nodiscard]] Ticks time_ticks() const { return linear_ticks(t_low_, t_high_, 7); }
+  /// None at the end of the axis: there stands the unit.
+  [[nodiscard]] Ticks time_ticks() const {
+    Ticks ticks = linear_ticks(t_low_, t_high_, 7);
+    if (!ticks.values.empty() && x(ticks.values.back()) > kPlot.right - 25.0) ticks.values.pop_back();
+    return ticks;
+  }
 
  private:
   bool logarithmic_;
@@ -130,16 +135,14 @@ std::string grid(const Axes& axes) {
   for (const double v : values.values) {
     lines += "M" + point_text(kPlot.left, axes.y(v)) + "H" + fixed(kPlot.right, 1);
     const int decimals = v >= 1.0 && values.decimals > 0 && v == std::round(v) ? 0 : values.decimals;
-    std::string label = fixed(v, decimals);
-    if (label.front() == '-') label.replace(0, 1, "\xE2\x88\x92");
-    labels += text_at("tick-y", kPlot.left - 7.0, axes.y(v) + 4.0, label);
+    labels += text_at("tick-y", kPlot.left - 7.0, axes.y(v) + 4.0, aligned(v, decimals));
   }
   const Ticks times = axes.time_ticks();
   for (const double t : times.values) {
     lines += "M" + point_text(axes.x(t), kPlot.bottom) + "v4";
-    const bool last = &t == &times.values.back();
-    labels += text_at("tick-x", axes.x(t), kPlot.bottom + 17.0, fixed(t, times.decimals) + (last ? " s" : ""));
+    labels += text_at("tick-x", axes.x(t), kPlot.bottom + 17.0, fixed(t, times.decimals));
   }
+  labels += text_at("tick-x", kPlot.right - 2.0, kPlot.bottom + 17.0, "s");
   return lines + "\"/>" + labels;
 }
 
@@ -175,12 +178,11 @@ std::string chart_html(const Chart& chart) {
          fixed(kHeight, 0) + "\"><title>" + escape(chart.title) + "</title><desc>" + escape(chart.description) +
          "</desc>\n" + grid(axes);
   if (!chart.band.empty()) out += "<path class=\"band\" d=\"" + band_path(axes, chart) + "\"/>\n";
-  out += references(axes, chart);
   for (const ChartSeries& s : chart.series) {
     out += "<path class=\"line " + s.css_class + "\" d=\"" + line_path(axes, chart.time, s.values) + "\"/>\n";
   }
-  return out + "<line class=\"cursor\" y1=\"" + fixed(kPlot.top, 0) + "\" y2=\"" + fixed(kPlot.bottom, 0) +
-         "\"/></svg>\n<output class=\"readout\"></output>\n</figure>\n";
+  return out + references(axes, chart) + "<line class=\"cursor\" y1=\"" + fixed(kPlot.top, 0) + "\" y2=\"" +
+         fixed(kPlot.bottom, 0) + "\"/></svg>\n<output class=\"readout\"></output>\n</figure>\n";
 }
 
 }  // namespace noctule::report

@@ -19,6 +19,9 @@ struct Method {
   std::string name;
   std::string css_class;
   eval::ContourErrors errors;
+  [[nodiscard]] std::string heading() const {
+    return escape(name) + (css_class == "paper" ? "<small>paper</small>" : "");
+  }
 };
 
 std::vector<Method> methods_of(const RunData& data) {
@@ -33,8 +36,7 @@ std::vector<Method> methods_of(const RunData& data) {
   for (const eval::PublishedContours& p : eval::published_contours()) {
     // The paper prints every row, however far from the truth: no gate.
     constexpr double kNoGate = std::numeric_limits<double>::infinity();
-    methods.push_back(
-        {"Paper: " + p.method, "paper", eval::contour_errors(p.map, *data.world.room, {.wall_gate = kNoGate})});
+    methods.push_back({p.method, "paper", eval::contour_errors(p.map, *data.world.room, {.wall_gate = kNoGate})});
   }
   return methods;
 }
@@ -57,7 +59,7 @@ std::string wall_head(const std::vector<Method>& methods) {
   std::string groups = column_head("Wall", "", 1, 2) + column_head("True", "truth", 2);
   std::string units = column_head(kRho, "truth") + column_head(kTheta, "truth");
   for (const Method& m : methods) {
-    groups += column_head(escape(m.name), m.css_class, 2);
+    groups += column_head(m.heading(), m.css_class, 2);
     units += column_head(kRho, m.css_class) + column_head(kTheta, m.css_class);
   }
   return row(groups) + row(units);
@@ -90,7 +92,7 @@ std::string cylinder_rows(const std::vector<Method>& methods, std::size_t i, con
   std::string rows;
   for (int k = 0; k < 3; ++k) {
     std::string cells = k == 0 ? row_head(escape(known.name), 3) : "";
-    cells += row_head(names[static_cast<std::size_t>(k)]) + cell(fixed(100.0 * truth[k], 2), "truth");
+    cells += cell(names[static_cast<std::size_t>(k)], "component") + cell(fixed(100.0 * truth[k], 2), "truth");
     for (const Method& m : methods) {
       const eval::CylinderError& c = m.errors.cylinders[i];
       const double error = 100.0 * Vector3(c.centre.x(), c.centre.y(), c.radius)[k];
@@ -104,7 +106,7 @@ std::string cylinder_rows(const std::vector<Method>& methods, std::size_t i, con
 
 /// "12.34 +- 0.05" of an SI value in print units.
 std::string with_sigma(double value, double variance, double scale) {
-  return fixed(scale * value, 2) + kPlusMinus + fixed(scale * std::sqrt(std::max(variance, 0.0)), 2);
+  return aligned(scale * value) + kPlusMinus + fixed(scale * std::sqrt(std::max(variance, 0.0)), 2);
 }
 
 }  // namespace
@@ -129,7 +131,7 @@ std::string wall_table(const RunData& data) {
   body += wall_mean_row("Mean |error| without wall " + anchor, methods, [](const eval::ContourErrors& e) {
     return Pair{e.other_walls.rho, e.other_walls.theta};
   });
-  body += wall_mean_row("&ensp;free of the common rotation", methods, [](const eval::ContourErrors& e) {
+  body += wall_mean_row("Mean |error| free of the common rotation", methods, [](const eval::ContourErrors& e) {
     return Pair{kBlank, e.other_walls.theta_rotation_free};
   });
   std::string found = row_head("Found") + cell("", "truth", 2);
@@ -144,21 +146,19 @@ std::string cylinder_table(const RunData& data) {
   const std::vector<Method> methods = methods_of(data);
   if (methods.empty() || methods.front().errors.cylinders.empty()) return {};
   const std::vector<eval::CylinderError>& known = methods.front().errors.cylinders;
-  std::string head = column_head("Cylinder", "", 2) + column_head("True <span class=\"unit\">cm</span>", "truth");
-  for (const Method& m : methods) {
-    head += column_head(escape(m.name) + " <span class=\"unit\">cm</span>", m.css_class);
-  }
+  std::string head = column_head("Cylinder") + column_head("cm", "unit") + column_head("True", "truth");
+  for (const Method& m : methods) head += column_head(m.heading(), m.css_class);
   std::string body;
   for (std::size_t i = 0; i < known.size(); ++i) body += cylinder_rows(methods, i, known[i]);
   for (std::size_t i = 0; i < known.size(); ++i) {
-    std::string means = row_head("Mean |error|") + row_head(escape(known[i].name)) + cell("", "truth");
+    std::string means = row_head("Mean |error|") + cell(escape(known[i].name), "component") + cell("", "truth");
     for (const Method& m : methods) {
       const eval::CylinderError& c = m.errors.cylinders[i];
       means += cell(c.found() ? fixed(100.0 * c.mean_absolute(), 2) : "", m.css_class);
     }
     body += row(means, "mean");
   }
-  std::string found = row_head("Found") + row_head("") + cell("", "truth");
+  std::string found = row_head("Found") + cell("", "truth", 2);
   for (const Method& m : methods) {
     const std::size_t count = static_cast<std::size_t>(m.errors.cylinders_found());
     found += cell(found_text(count, known.size(), m.errors.invented_cylinders.size()), m.css_class);

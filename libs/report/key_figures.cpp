@@ -11,7 +11,6 @@ namespace noctule::report {
 namespace {
 
 struct Mark {
-  const char* name;
   const char* css_class;
   double value;
 };
@@ -25,8 +24,10 @@ std::string scale(const std::vector<Mark>& marks) {
     high = std::max(high, m.value);
   }
   if (!(low > 0.0) || high <= low) return {};
-  std::string out = "<svg class=\"scale-line\" viewBox=\"0 0 200 18\" aria-hidden=\"true\"><path class=\"grid\" d=\"M" +
-                    fixed(kLeft, 0) + " " + fixed(kMiddle, 0) + "H" + fixed(kRight, 0) + "\"/>";
+  std::string out =
+      "<svg class=\"scale-line\" viewBox=\"0 0 200 18\" preserveAspectRatio=\"xMinYMid\" aria-hidden=\"true\"><path "
+      "class=\"grid\" d=\"M" +
+      fixed(kLeft, 0) + " " + fixed(kMiddle, 0) + "H" + fixed(kRight, 0) + "\"/>";
   for (const Mark& m : marks) {
     const double x = std::lerp(kLeft, kRight, std::log(m.value / low) / std::log(high / low));
     out += std::string("<circle class=\"mark ") + m.css_class + "\" cx=\"" + fixed(x, 1) + "\" cy=\"" +
@@ -39,31 +40,37 @@ std::string tile(const std::string& name, const std::string& value, const std::s
   return "<div class=\"tile\"><h3>" + name + "</h3><p class=\"figure\">" + value + "</p>" + below + "</div>\n";
 }
 
-std::string with_unit(double si_value, const char* si_unit) {
-  const PrintUnit unit = print_unit(si_unit, si_value);
-  return printed(si_value * unit.scale) + "<span class=\"unit\">" + unit.symbol + "</span>";
+std::string with_unit(double value, const char* unit_name) {
+  const PrintUnit unit = print_unit(unit_name, value);
+  return printed(value * unit.scale) +
+         (unit.symbol.empty() ? "" : "<span class=\"unit " + std::string(unit_name) + "\">" + unit.symbol + "</span>");
 }
 
-/// A metric between its limit and dead reckoning.
-std::string compared(const RunData& data, const char* title, const std::string& name, const char* unit) {
+/// "of 4 found" where a mean leaves out what was missed: it is the better for it.
+std::string of_found(const RunData& data, const std::string& counted, const std::string& suffix) {
+  if (counted.empty() || find_metric(data.metrics, counted + "_missed" + suffix).value_or(0.0) == 0.0) return {};
+  return " of " + fixed(find_metric(data.metrics, counted + "_found" + suffix).value_or(0.0), 0) + " found";
+}
+
+/// A metric between its limit and dead reckoning. `counted` names what it is a mean of.
+std::string compared(const RunData& data, const char* title, const std::string& name, const char* unit,
+                     const std::string& counted = {}) {
   const auto ours = find_metric(data.metrics, name);
   if (!ours) return {};
   std::vector<Mark> marks;
-  if (const auto limit = find_metric(data.metrics, name + "_known_pose")) {
-    marks.push_back({"known pose", "limit", *limit});
-  }
-  if (const auto odometry = find_metric(data.metrics, name + "_dead_reckoning")) {
-    marks.push_back({"dead reckoning", "odometry", *odometry});
-  }
-  std::string below = "<p class=\"others\">";
-  for (const Mark& m : marks) {
-    below += std::string("<span class=\"key ") + m.css_class + "\">" + m.name + " <b>" + quantity(m.value, unit) +
-             "</b></span>";
-  }
-  below += "</p>";
-  std::vector<Mark> all = marks;
-  all.push_back({"this run", "estimate", *ours});
-  return tile(title, with_unit(*ours, unit), scale(all) + below);
+  std::string below;
+  const auto add = [&](const char* label, const char* css_class, const std::string& suffix) {
+    const auto value = find_metric(data.metrics, name + suffix);
+    if (!value) return;
+    marks.push_back({css_class, *value});
+    below += std::string("<span class=\"key ") + css_class + "\">" + label + " <b>" + quantity(*value, unit) + "</b>" +
+             of_found(data, counted, suffix) + "</span>";
+  };
+  add("known pose", "limit", "_known_pose");
+  add("dead reckoning", "odometry", "_dead_reckoning");
+  marks.push_back({"estimate", *ours});
+  return tile(title, with_unit(*ours, unit) + "<span class=\"unit\">" + of_found(data, counted, "") + "</span>",
+              scale(marks) + "<p class=\"others\">" + below + "</p>");
 }
 
 std::string remark(const std::string& text) {
@@ -116,9 +123,9 @@ std::string speed_tile(const RunData& data) {
 
 std::string key_figures(const RunData& data) {
   const std::string tiles = found_tile(data) +
-                            compared(data, "Wall distance <i>\xCF\x81</i>, mean error", "wall_mae_rho", "m") +
-                            compared(data, "Wall angle <i>\xCE\xB8</i>, mean error", "wall_mae_theta", "rad") +
-                            compared(data, "Cylinders, mean error", "cylinder_mae", "m") +
+                            compared(data, "Wall distance <i>\xCF\x81</i>, mean error", "wall_mae_rho", "m", "walls") +
+                            compared(data, "Wall angle <i>\xCE\xB8</i>, mean error", "wall_mae_theta", "rad", "walls") +
+                            compared(data, "Cylinders, mean error", "cylinder_mae", "m", "cylinders") +
                             compared(data, "Position, RMS error", "position_rmse", "m") +
                             compared(data, "Heading, RMS error", "heading_rmse", "rad") + landmark_tile(data) +
                             consistency_tile(data) + speed_tile(data);

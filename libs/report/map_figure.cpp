@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSigmas = 3.0;
 constexpr double kBorder = 26.0;  // user units around the extent, for labels and line widths
+constexpr double kFoot = 20.0;    // below, for the scale bar
 
 Vector2 end_point(const Wall& wall, double along) {
   return wall.rho * wall.normal() + along * wall.tangent();
@@ -45,8 +46,8 @@ void Extent::include(const Vector2& centre, double radius) {
 MapFigure::MapFigure(const Extent& extent, double width, double max_height) : extent_(extent), width_(width) {
   if (extent_.empty()) extent_ = {Vector2::Constant(-1.0), Vector2::Constant(1.0)};
   const Vector2 size = (extent_.high - extent_.low).cwiseMax(0.1);
-  scale_ = std::min((width - 2 * kBorder) / size.x(), (max_height - 2 * kBorder) / size.y());
-  height_ = size.y() * scale_ + 2 * kBorder;
+  scale_ = std::min((width - 2 * kBorder) / size.x(), (max_height - 2 * kBorder - kFoot) / size.y());
+  height_ = size.y() * scale_ + 2 * kBorder + kFoot;
   offset_ = {0.5 * (width - size.x() * scale_), kBorder};
 }
 
@@ -126,7 +127,7 @@ void MapFigure::uncertainty(const ContourMap& map) {
   for (const WallEstimate& w : map.walls) band(w);
   for (const CylinderEstimate& c : map.cylinders) {
     const double sigma = std::sqrt(std::max(c.covariance(2, 2), 0.0));
-    if (!std::isfinite(sigma) || !std::isfinite(c.cylinder.radius)) continue;
+    if (!std::isfinite(sigma + c.cylinder.radius) || !c.cylinder.centre.allFinite()) continue;
     const Vector2 p = place(c.cylinder.centre);
     body_ += "<circle class=\"ring\"" + attribute("cx", p.x()) + attribute("cy", p.y()) +
              attribute("r", std::max(c.cylinder.radius * scale_, 0.0)) +
@@ -147,7 +148,7 @@ void MapFigure::contours(const ContourMap& map, const eval::ContourErrors* error
   }
   for (std::size_t i = 0; i < map.cylinders.size(); ++i) {
     const Cylinder& c = map.cylinders[i].cylinder;
-    if (!c.centre.allFinite() || !std::isfinite(c.radius)) continue;
+    if (!std::isfinite(c.radius) || !c.centre.allFinite()) continue;
     const bool invented = errors != nullptr && contains(errors->invented_cylinders, i);
     circle(c.centre, c.radius, invented ? "cylinder invented" : "cylinder");
     circle(c.centre, 1.5 / scale_, "centre");
@@ -261,10 +262,11 @@ void MapFigure::start(const Pose2& pose) {
 std::string MapFigure::scale_bar() const {
   constexpr double kWanted = 60.0;  // user units
   const double length = nice_step(kWanted / scale_);
-  const Vector2 a(8.0, height_ - 8.0);
+  const std::string label = length < 0.995 ? fixed(100.0 * length, 0) + " cm" : fixed(length, 0) + " m";
+  const Vector2 a(8.0, height_ - 6.0);
   return "<g class=\"scale\"><path d=\"M" + fixed(a.x(), 2) + " " + fixed(a.y() - 4.0, 2) + "v4h" +
          fixed(length * scale_, 2) + "v-4\"/><text" + attribute("x", a.x() + length * scale_ + 6.0) +
-         attribute("y", a.y()) + ">" + quantity(length, "m") + "</text></g>\n";
+         attribute("y", a.y()) + ">" + label + "</text></g>\n";
 }
 
 std::string MapFigure::svg(const std::string& title, const std::string& description,

@@ -31,6 +31,13 @@ std::string toggle(const char* layer, const char* css_class, const char* label, 
          (on ? " checked" : "") + ">" + label + "</label>";
 }
 
+constexpr const char* kInventedKey = "<span class=\"key invented\">invented</span>";
+
+bool has_invented(const std::optional<ContourResult>& result) {
+  return result && result->errors &&
+         !(result->errors->invented_walls.empty() && result->errors->invented_cylinders.empty());
+}
+
 bool knows_world(const RunData& data) {
   return data.world.room || !data.world.landmarks.empty();
 }
@@ -58,40 +65,57 @@ std::string sentences(const std::vector<std::string>& texts, const char* css_cla
          "</ul></aside>\n";
 }
 
-std::string map_section(const RunData& data) {
-  if (!data.contours && data.landmarks.landmarks.empty() && data.direct_points.empty()) return {};
-  std::string toggles = "<span class=\"legend\">" + toggle("estimate", "estimate", "estimate", true) +
-                        toggle("uncertainty", "band-key", "3\xCF\x83", true) +
-                        toggle("estimate-path", "path-key", "path", true);
-  if (knows_world(data)) toggles += toggle("truth", "truth", "truth", true);
-  if (!data.direct_points.empty()) toggles += toggle("readings", "readings-key", "readings", false);
-  toggles += "</span>";
-  std::string plans = plan("map-plan", "Estimated map", toggles, map_plan(data));
-  if (!data.direct_points.empty()) {
-    plans += plan("readings-plan", "Direct map, unfiltered",
-                  "<span class=\"legend\"><span class=\"key readings-key\">readings</span><span class=\"key "
-                  "odometry\">dead reckoning</span></span>",
-                  readings_plan(data));
-  }
-  const std::string lead =
-      std::string("What the robot made of its echoes") +
-      (knows_world(data) ? ", drawn over the world as it is" : "; how the world really is, nobody has measured") +
-      (data.direct_points.empty()
-           ? "."
-           : ". Beside it the same readings, each put on the axis of its beam along dead reckoning.");
-  return section("The map", lead, "<div class=\"pair\">\n" + plans + "</div>\n");
+/// The plan whose layers can be switched.
+std::string estimated_map(const RunData& data) {
+  if (!data.contours && data.landmarks.landmarks.empty()) return {};
+  std::string legend = "<span class=\"legend\">" + toggle("estimate", "estimate", "estimate", true) +
+                       toggle("uncertainty", "band-key", "3\xCF\x83", true) +
+                       toggle("estimate-path", "path-key", "path", true);
+  if (knows_world(data)) legend += toggle("truth", "truth", "truth", true);
+  if (!data.direct_points.empty()) legend += toggle("readings", "readings-key", "readings", false);
+  if (has_invented(data.contours)) legend += kInventedKey;
+  return plan("map-plan", "Estimated map", legend + "</span>", map_plan(data));
 }
 
-std::string path_section(const RunData& data) {
+std::string direct_map(const RunData& data) {
+  if (data.direct_points.empty()) return {};
+  return plan("readings-plan", "Direct map, unfiltered",
+              "<span class=\"legend\"><span class=\"key readings-key\">readings</span>"
+              "<span class=\"key odometry\">dead reckoning</span></span>",
+              readings_plan(data));
+}
+
+std::string path_map(const RunData& data) {
   if (data.estimates.empty()) return {};
   std::string legend = "<span class=\"legend\">" + toggle("estimate-path", "estimate", "filter", true) +
                        toggle("uncertainty", "band-key", "3\xCF\x83", true);
   if (!data.dead_reckoning.empty()) legend += toggle("odometry-path", "odometry", "dead reckoning", true);
   if (!data.truth.empty()) legend += toggle("truth-path", "truth-line", "truth", true);
-  legend += "</span>";
-  const std::string grid = plan("occupancy-plan", "Occupancy grid", "", occupancy_plan(data));
-  return section("The path", "",
-                 "<div class=\"pair\">\n" + plan("path-plan", "Path", legend, path_plan(data)) + grid + "</div>\n");
+  return plan("path-plan", "Path", legend + "</span>", path_plan(data));
+}
+
+std::string other_map(const RunData& data, const char* css_class, const char* title,
+                      const std::optional<ContourResult>& contours) {
+  if (!contours) return {};
+  const std::string legend =
+      has_invented(contours) ? std::string("<span class=\"legend\">") + kInventedKey + "</span>" : "";
+  return plan(css_class, title, legend, contour_plan(data, *contours, title));
+}
+
+std::string map_section(const RunData& data) {
+  const std::string plans = estimated_map(data) + direct_map(data) + path_map(data) +
+                            other_map(data, "limit-plan", "Map at known poses, the limit", data.contours_known_pose) +
+                            other_map(data, "odometry-plan", "Map along dead reckoning", data.contours_dead_reckoning) +
+                            plan("occupancy-plan", "Occupancy grid", "", occupancy_plan(data));
+  if (plans.empty()) return {};
+  const bool echoes = data.contours || !data.direct_points.empty();
+  const std::string lead =
+      std::string("What the robot made of its ") + (echoes ? "echoes" : "sightings") +
+      (knows_world(data) ? ", drawn over the world as it is." : "; how the world really is, nobody has measured.") +
+      (data.direct_points.empty() ? ""
+                                  : " The direct map is what it would draw without a filter: each reading on the axis "
+                                    "of its beam, along dead reckoning.");
+  return section("Map and path", lead, "<div class=\"pair\">\n" + plans + "</div>\n");
 }
 
 std::string chart_section(const std::string& heading, const std::string& lead, const std::vector<Chart>& charts) {
@@ -129,14 +153,21 @@ std::string page(const RunData& data) {
   const std::vector<Chart> errors = error_charts(data), health = health_charts(data);
   std::vector<Chart> all = errors;
   all.insert(all.end(), health.begin(), health.end());
+  const std::string body =
+      key_figures(data) + map_section(data) +
+      chart_section("Errors over time", "Shaded: three standard deviations by the filter's own account.", errors) +
+      contour_section(data) +
+      chart_section("Health of the filter",
+                    "Whether the particles are many and different, and the innovations and errors as large as the "
+                    "filter believes.",
+                    health) +
+      run_section(data);
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
          "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
          escape(data.title) + " \xC2\xB7 Noctule</title>\n<style>\n" + kFigureStyle + kPageStyle +
          "</style>\n</head>\n<body>\n" + header(data) + "<main>\n" + sentences(data.warnings, "warnings", "Warnings") +
-         key_figures(data) + map_section(data) + path_section(data) +
-         chart_section("Errors over time", "Shaded: three standard deviations by the filter's own account.", errors) +
-         contour_section(data) + chart_section("Health of the filter", "", health) + run_section(data) +
+         (body.empty() ? "<p class=\"lead\">The run ended before anything was measured.</p>\n" : body) +
          sentences(data.notes, "notes", "Notes") + "</main>\n<script type=\"application/json\" id=\"run-data\">" +
          page_json(data, all) + "</script>\n<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";
 }

@@ -62,7 +62,7 @@ Chart component_chart(const RunData& data, int component, const std::string& nam
   Chart chart;
   chart.id = "error-" + std::to_string(component);
   chart.title = "Error in " + name;
-  chart.unit = unit.symbol;
+  chart.unit = component == 2 ? "deg" : unit.symbol;
   chart.description = "Error of the estimated " + name + " over time within its three standard deviations.";
   chart.time = times(data);
   chart.series = {{"error", "estimate", component_error(data, component, unit.scale)}};
@@ -100,7 +100,7 @@ Chart particle_chart(const RunData& data) {
   chart.title = "Particles";
   chart.description = "Effective sample size, distinct particles and distinct ancestors over time.";
   chart.time = times(data);
-  chart.series = {{"ancestors", "odometry", series(data, [](const auto& e) { return 1.0 * e.distinct_ancestors; })},
+  chart.series = {{"ancestors", "neutral", series(data, [](const auto& e) { return 1.0 * e.distinct_ancestors; })},
                   {"distinct", "limit", series(data, [](const auto& e) { return 1.0 * e.distinct_particles; })},
                   {"effective", "estimate", series(data, [](const auto& e) { return e.effective_sample_size; })}};
   chart.references = {{1.0 * data.estimates.back().particles, "all"}};

@@ -99,6 +99,15 @@ std::string readings_plan(const RunData& data) {
   return figure.svg("Direct map", "Every reading on the axis of its beam, along dead reckoning, without a filter.");
 }
 
+std::string contour_plan(const RunData& data, const ContourResult& contours, const std::string& title) {
+  MapFigure figure(extent_of(data), kWidth, kMaxHeight);
+  if (data.world.room) figure.room(*data.world.room);
+  figure.uncertainty(contours.map);
+  figure.contours(contours.map, contours.errors ? &*contours.errors : nullptr);
+  figure.start(data.world.start_in_map);
+  return figure.svg(title, "Plan of the contours that the mapper made of this path, with three-sigma bounds.");
+}
+
 std::string path_plan(const RunData& data) {
   Extent extent = extent_of(data);
   if (!data.world.room) include_trajectory(data.dead_reckoning, extent);

@@ -13,6 +13,8 @@ namespace noctule::report {
 [[nodiscard]] std::string map_plan(const RunData& data);
 /// Readings as they came, along dead reckoning.
 [[nodiscard]] std::string readings_plan(const RunData& data);
+/// Contours that the mapper made of another path: the limit, or no filter at all.
+[[nodiscard]] std::string contour_plan(const RunData& data, const ContourResult& contours, const std::string& title);
 /// Path of the filter, of dead reckoning and the truth.
 [[nodiscard]] std::string path_plan(const RunData& data);
 /// The occupancy grid; empty where there is none or it is too large to draw.

@@ -13,13 +13,6 @@ std::string span(const char* what, int count) {
   return count > 1 ? std::string(" ") + what + "=\"" + std::to_string(count) + "\"" : "";
 }
 
-/// Two decimals everywhere, so that columns line up.
-std::string aligned(double value) {
-  std::string text = fixed(value, 2);
-  if (text.front() == '-') text.replace(0, 1, "\xE2\x88\x92");
-  return text;
-}
-
 }  // namespace
 
 std::string table(const std::string& caption, const std::string& head, const std::string& body,

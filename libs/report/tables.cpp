@@ -49,10 +49,17 @@ std::string metric_table(const RunData& data) {
     if (std::find(names.begin(), names.end(), base) == names.end()) names.push_back(base);
   }
   std::string head = column_head("Metric"), body;
-  for (const Variant& v : kVariants) head += column_head(v.heading, v.css_class);
+  std::vector<Variant> variants;
+  for (const Variant& v : kVariants) {
+    const bool used = std::any_of(data.metrics.begin(), data.metrics.end(), [&](const eval::Metric& m) {
+      return !v.suffix.empty() && m.name.ends_with(v.suffix);
+    });
+    if (v.suffix.empty() || used) variants.push_back(v);
+  }
+  for (const Variant& v : variants) head += column_head(v.heading, v.css_class);
   for (const std::string& name : names) {
     std::string cells = row_head("<code>" + escape(name) + "</code>");
-    for (const Variant& v : kVariants) {
+    for (const Variant& v : variants) {
       const eval::Metric* m = find(data.metrics, name + std::string(v.suffix));
       cells += cell(m == nullptr ? "" : escape(quantity(m->value, m->unit)), v.css_class);
     }

@@ -76,30 +76,36 @@ std::string fixed(double value, int decimals) {
   return result;
 }
 
+std::string aligned(double value, int decimals) {
+  std::string text = fixed(value, decimals);
+  if (text.front() == '-') text.replace(0, 1, kMinus);
+  return text;
+}
+
 std::string printed(double value) {
   if (!std::isfinite(value)) return kDash;
-  const std::string digits = fixed(std::abs(value), decimals_for(std::abs(value)));
-  const bool zero = digits.find_first_not_of("0.") == std::string::npos;
-  return value < 0.0 && !zero ? kMinus + digits : digits;
+  return aligned(value, decimals_for(std::abs(value)));
 }
 
 std::string printed_signed(double value) {
   return value > 0.0 && std::isfinite(value) ? "+" + printed(value) : printed(value);
 }
 
-PrintUnit print_unit(std::string_view si_unit, double largest) {
-  if (si_unit == "m") return std::abs(largest) >= 10.0 ? PrintUnit{"m", 1.0} : PrintUnit{"cm", 100.0};
-  if (si_unit == "rad") return {"\xC2\xB0", degrees(1.0)};
-  if (si_unit == "1") return {"", 1.0};
-  return {std::string(si_unit), 1.0};
+PrintUnit print_unit(std::string_view unit_name, double largest) {
+  if (unit_name == "m") return std::abs(largest) >= 10.0 ? PrintUnit{"m", 1.0} : PrintUnit{"cm", 100.0};
+  if (unit_name == "rad") return {"\xC2\xB0", degrees(1.0)};
+  if (unit_name == "1") return {"", 1.0};
+  if (unit_name == "s" && largest != 0.0 && std::abs(largest) < 1e-3) return {"\xC2\xB5s", 1e6};
+  if (unit_name == "s" && largest != 0.0 && std::abs(largest) < 1.0) return {"ms", 1e3};
+  return {std::string(unit_name), 1.0};
 }
 
-std::string quantity(double si_value, std::string_view si_unit) {
-  if (!std::isfinite(si_value)) return kDash;
-  if (si_unit == "1" && si_value == std::round(si_value)) return fixed(si_value, 0);
-  const PrintUnit unit = print_unit(si_unit, si_value);
-  const std::string space = unit.symbol.empty() || si_unit == "rad" ? "" : " ";
-  return printed(si_value * unit.scale) + space + unit.symbol;
+std::string quantity(double value, std::string_view unit_name) {
+  if (!std::isfinite(value)) return kDash;
+  if (unit_name == "1" && value == std::round(value)) return fixed(value, 0);
+  const PrintUnit unit = print_unit(unit_name, value);
+  const std::string space = unit.symbol.empty() || unit_name == "rad" ? "" : " ";
+  return printed(value * unit.scale) + space + unit.symbol;
 }
 
 std::string printed_duration(double seconds) {

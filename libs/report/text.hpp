@@ -11,6 +11,9 @@ namespace noctule::report {
 /// `decimals` digits after the point; never "-0.00".
 [[nodiscard]] std::string fixed(double value, int decimals);
 
+/// `decimals` digits with a true minus sign, for columns and axes.
+[[nodiscard]] std::string aligned(double value, int decimals = 2);
+
 /// About three significant digits with a true minus sign; an em dash when not finite.
 [[nodiscard]] std::string printed(double value);
 /// The same, "+" in front of positive numbers.
@@ -21,11 +24,12 @@ struct PrintUnit {
   std::string symbol;
   double scale = 1.0;  ///< printed = SI * scale
 };
-/// Centimetres for "m" (metres where `largest` is 10 m or more), degrees for "rad", nothing for "1", else the unit.
-[[nodiscard]] PrintUnit print_unit(std::string_view si_unit, double largest = 0.0);
+/// Centimetres for "m" (metres where `largest` is 10 m or more), degrees for "rad", milli- or microseconds for "s"
+/// below 1 s or 1 ms, nothing for "1", else the unit.
+[[nodiscard]] PrintUnit print_unit(std::string_view unit_name, double largest = 0.0);
 
 /// Value and unit, e.g. "1.62 cm"; whole numbers of unit "1" without decimals.
-[[nodiscard]] std::string quantity(double si_value, std::string_view si_unit);
+[[nodiscard]] std::string quantity(double value, std::string_view unit_name);
 
 /// Seconds as "42.0 s", "3 min 20 s" or "1 h 5 min".
 [[nodiscard]] std::string printed_duration(double seconds);

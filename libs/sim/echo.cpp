@@ -16,8 +16,7 @@ class Transducer {
   /// Whether the cone holds the direction (of any length but 0), and how far off the axis it is.
   [[nodiscard]] bool covers(const Vector2& direction, double& off_axis) const {
     const double along = axis_.dot(direction);
-    const double length = direction.norm();
-    if (!(along >= cos_half_angle_ * length) || length == 0.0) return false;
+    if (!(along > 0.0) || along < cos_half_angle_ * direction.norm()) return false;
     off_axis = std::abs(std::atan2(axis_.x() * direction.y() - axis_.y() * direction.x(), along));
     return true;
   }

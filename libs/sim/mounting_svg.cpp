@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kSize = 640.0;       // [px]
 constexpr double kConeInRadii = 2.5;  // length drawn of a cone, in radii of the base
-constexpr double kMarginInRadii = 0.6;
+constexpr double kMarginInRadii = 0.9;
 
 /// Text safe inside XML.
 std::string escaped(const std::string& text) {
@@ -64,8 +64,8 @@ void draw_axis(std::ostream& svg, const Canvas& canvas, const Pose2& sensor, dou
 void draw_base(std::ostream& svg, const Canvas& canvas, double radius) {
   svg << "<circle class=\"base\" cx=\"" << 0.5 * kSize << "\" cy=\"" << 0.5 * kSize << "\" r=\""
       << canvas.pixels(radius) << "\"/>\n"
-      << "<path class=\"heading\" d=\"M " << canvas.point({0.9 * radius, 0.0}) << " L "
-      << canvas.point({0.6 * radius, 0.15 * radius}) << " L " << canvas.point({0.6 * radius, -0.15 * radius})
+      << "<path class=\"heading\" d=\"M " << canvas.point({0.7 * radius, 0.0}) << " L "
+      << canvas.point({0.4 * radius, 0.15 * radius}) << " L " << canvas.point({0.4 * radius, -0.15 * radius})
       << " Z\"/>\n";
 }
 

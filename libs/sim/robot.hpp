@@ -31,11 +31,11 @@ struct DriveParameters {
     v.choice("model", &DriveParameters::model,
              {{"turn_and_go", DriveModel::turn_and_go}, {"front_axle", DriveModel::front_axle}},
              "turn_and_go: turns on the spot, then straight; front_axle: steered front wheels");
-    v.field("speed_m_per_s", &DriveParameters::speed, unit::metre_per_second, "speed on the way", positive());
+    v.field("speed_m_per_s", &DriveParameters::speed, unit::metre_per_second, "speed on the way", at_least(0.001));
     v.field("turn_rate_deg_per_s", &DriveParameters::turn_rate, unit::degree_per_second,
-            "turn_and_go: rate of turns on the spot", positive());
+            "turn_and_go: rate of turns on the spot", at_least(0.1));
     v.field("odometry_rate_hz", &DriveParameters::odometry_rate, unit::hertz,
-            "least rate of odometry while moving; front_axle: also of the steering", positive());
+            "least rate of odometry while moving; front_axle: also of the steering", between(0.1, 1000.0));
     v.field("wheelbase_cm", &DriveParameters::wheelbase, unit::centimetre, "front_axle: distance of the axles",
             positive());
     v.field("max_steering_deg", &DriveParameters::max_steering, unit::degree, "front_axle: largest steering angle",
@@ -65,7 +65,7 @@ struct StepperParameters {
   static void describe(Visitor& v) {
     v.field("mount_cm_deg", &StepperParameters::mount, unit::centimetre_degree,
             "pose of the ranger on the base at the first ping");
-    v.field("pings", &StepperParameters::pings, unit::one, "pings of one scan", at_least(1));
+    v.field("pings", &StepperParameters::pings, unit::one, "pings of one scan", between(1, 10000));
     v.field("step_deg", &StepperParameters::step, unit::degree, "turn of the ranger from ping to ping");
   }
 };

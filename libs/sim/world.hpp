@@ -81,7 +81,7 @@ struct PathParameters {
     v.field("waypoints_cm", &PathParameters::waypoints, unit::centimetre,
             "places to drive to; none: the robot stays where it is");
     v.field("loops", &PathParameters::loops, unit::one, "times the way-points are visited", at_least(1));
-    v.field("stop_spacing_cm", &PathParameters::stop_spacing, unit::centimetre, "way between two stops", positive());
+    v.field("stop_spacing_cm", &PathParameters::stop_spacing, unit::centimetre, "way between two stops", at_least(0.1));
     v.field("scans_at_start", &PathParameters::scans_at_start, unit::one, "scans before the first move", at_least(1));
   }
 };

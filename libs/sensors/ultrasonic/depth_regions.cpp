@@ -86,10 +86,7 @@ const std::vector<DepthRegion>& DepthRegionFinder::find(const UltrasonicScan& sc
   unroll_at_widest_gap();
   learn_noise(scan.half_angle);
   group(scan.half_angle);
-  for (std::size_t i = 0; i < run_count_; ++i) {
-    if (static_cast<int>(runs_[i].pings.size()) < parameters_.min_readings) continue;
-    summarise(runs_[i], scan.half_angle, regions_.emplace_back());
-  }
+  for (std::size_t i = 0; i < run_count_; ++i) summarise(runs_[i], scan.half_angle, regions_.emplace_back());
   return regions_;
 }
 

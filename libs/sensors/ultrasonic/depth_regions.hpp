@@ -15,7 +15,6 @@ namespace noctule::sensors {
 struct DepthRegionParameters {
   models::RangeNoise noise;    ///< nominal; the scale on top is estimated
   double threshold = 3.0;      ///< pings join a run within this many standard deviations
-  int min_readings = 2;        ///< smaller runs are dropped
   double noise_memory = 40.0;  ///< differences between neighbours that the noise scale is estimated from, about
 
   template <class Visitor>
@@ -23,7 +22,6 @@ struct DepthRegionParameters {
     v.group("noise", &DepthRegionParameters::noise, "nominal range noise; its scale is estimated online");
     v.field("threshold", &DepthRegionParameters::threshold, unit::one,
             "pings join a region within this many standard deviations", positive());
-    v.field("min_readings", &DepthRegionParameters::min_readings, unit::one, "fewest pings of a region", at_least(1));
     v.field("noise_memory", &DepthRegionParameters::noise_memory, unit::one,
             "about how many differences of neighbouring pings the noise scale remembers", at_least(1.0));
   }
@@ -58,10 +56,10 @@ class DepthRegionFinder {
  public:
   explicit DepthRegionFinder(const DepthRegionParameters& parameters);
 
-  /// Regions of one scan, ascending by angle. First takes the scan's differences into the noise scale. Beams that are
-  /// no hit are passed over; hits that are not finite, outside the limits or of a non-finite sensor pose are ignored
-  /// and counted. The result is valid until the next call.
-  /// \throws InputError when the cone or the limits of the scan make no sense
+  /// Regions of one scan, down to lone pings, ascending by angle. First takes the scan's differences into the noise
+  /// scale. Beams that are no hit are passed over; hits that are not finite, outside the limits or of a non-finite
+  /// sensor pose are ignored and counted. The result is valid until the next call. \throws InputError when the cone or
+  /// the limits of the scan make no sense
   [[nodiscard]] const std::vector<DepthRegion>& find(const UltrasonicScan& scan);
 
   [[nodiscard]] double noise_scale() const { return noise_scale_.value(); }

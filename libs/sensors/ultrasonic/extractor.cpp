@@ -223,6 +223,7 @@ void UltrasonicExtractor::associate(const UltrasonicScan& scan, const std::vecto
     }
     const Sighting& sighting = regions[i].heard;
     Source source{readings_of(regions[i], scan.stamp.seq), noise_scale(), 0};
+    if (track_of[i] < 0 && static_cast<int>(source.readings.size()) < parameters_.min_readings) continue;
     if (track_of[i] < 0)
       start_track(sighting, std::move(source));
     else

@@ -13,6 +13,7 @@ namespace noctule::sensors {
 struct ExtractorParameters {
   DepthRegionParameters regions;
   DecisionParameters decision;
+  int min_readings = 2;      ///< smaller regions join tracks but start none
   int window = 12;           ///< sightings that a track keeps, at most kMaxSightings
   int patience = 24;         ///< scans that a track survives unseen
   double same_place = 0.01;  ///< sensor positions closer than this count as one [m]
@@ -22,6 +23,8 @@ struct ExtractorParameters {
   static void describe(Visitor& v) {
     v.group("regions", &ExtractorParameters::regions, "regions of constant depth");
     v.group("decision", &ExtractorParameters::decision, "wall, cylinder or point");
+    v.field("min_readings", &ExtractorParameters::min_readings, unit::one,
+            "fewest pings of a region that starts a track; smaller ones only join", at_least(1));
     v.field("window", &ExtractorParameters::window, unit::one, "sightings that the track of an object keeps",
             between(3, kMaxSightings));
     v.field("patience", &ExtractorParameters::patience, unit::one, "scans that a track survives unseen", at_least(1));
@@ -46,7 +49,8 @@ struct ExtractorCounts {
 /// place, are fitted as wall, point and cylinder with the full covariance of hearing and odometry; the type is decided
 /// once the evidence suffices and is revised only when the evidence turns against it.
 ///
-/// Features of a scan: one per track that was heard in it; every region of the scan is in exactly one of them. The
+/// Features of a scan: one per track that was heard in it. Every region of the scan is in exactly one of them, but for
+/// regions below min_readings that no track predicts: those are in none. The
 /// flags has_wall and has_circle tell which surfaces are still possible (probability above 1 - certainty): type
 /// ambiguous without has_wall is a curved surface whose radius is open. wall_log_likelihood and
 /// circle_log_likelihood are log p(later sightings | first sighting, kind), 0 for a single sighting. The radius of a

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <limits>
 
 namespace noctule {
@@ -15,6 +16,14 @@ struct Leg {
   }
 };
 
+struct Lamp {
+  double power = 40.0;
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.field("power", &Lamp::power, "power");
+  }
+};
+
 struct Table {
   int people = 4;
   Vector2 size{1.0, 2.0};
@@ -22,7 +31,10 @@ struct Table {
   std::vector<double> weights{1.0};
   std::vector<Leg> legs{{0.7}, {0.7}};
   std::optional<Leg> spare;
+  std::variant<Leg, Lamp> extra;
   std::string name = "table";
+  std::filesystem::path drawing;
+  bool round = false;
   template <class Visitor>
   static void describe(Visitor& v) {
     v.field("people", &Table::people, unit::one, "people", at_least(1));
@@ -31,7 +43,10 @@ struct Table {
     v.field("weights", &Table::weights, unit::one, "weights", noctule::between(0.0, 1.0));
     v.list("legs", &Table::legs, "legs");
     v.group("spare", &Table::spare, "spare leg");
+    v.one_of("extra", &Table::extra, {"leg", "lamp"}, "what comes with it");
     v.field("name", &Table::name, "name");
+    v.field("drawing", &Table::drawing, "drawing");
+    v.field("round", &Table::round, "round");
   }
   std::string validate() const { return name.empty() ? "name: expected a name, got none" : ""; }
 };
@@ -63,6 +78,9 @@ TEST(FirstProblem, RefusesWhatIsNotFinite) {
     t = {};
     t.pose.yaw = bad;
     EXPECT_NE(first_problem(t).find("pose: expected a finite number"), std::string::npos);
+    t = {};
+    t.extra = Lamp{bad};
+    EXPECT_NE(first_problem(t).find("extra.power: expected a finite number"), std::string::npos);
   }
 }
 

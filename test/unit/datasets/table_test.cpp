@@ -55,8 +55,11 @@ TEST_F(TableTest, RefusesNothingAtAll) {
   EXPECT_EQ(refused("", blanks_), path + ": expected at least one record, got none");
   EXPECT_EQ(refused("1 2", {.columns = {"a"}}), path + ": expected at least one record, got none");
   EXPECT_EQ(refusal([&] { Table(folder_.path() / "absent", blanks_); }),
-            (folder_.path() / "absent").string() + ": expected a readable file, got: cannot be opened");
-  EXPECT_NE(refusal([&] { Table(folder_.path(), blanks_); }).find("expected a readable text or gzip file"),
+            (folder_.path() / "absent").string() +
+                ": expected a readable file, plain or gzip, got: No such file or directory");
+  EXPECT_NE(refusal([&] {
+              Table(folder_.path(), blanks_);
+            }).find("expected a readable file, plain or gzip, got: Is a directory"),
             std::string::npos);
 }
 

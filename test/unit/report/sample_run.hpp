@@ -57,7 +57,8 @@ inline std::vector<SlamEstimate> estimates(const std::vector<eval::TimedPose>& t
     e.covariance = sigma.cwiseAbs2().asDiagonal();
     e.covariance(0, 1) = e.covariance(1, 0) = 0.4 * sigma.x() * sigma.y();
     e.particles = 100;
-    e.effective_sample_size = 55.0 + 40.0 * std::cos(0.7 * static_cast<double>(i)) * std::exp(-0.01 * (i % 40));
+    e.effective_sample_size =
+        55.0 + 40.0 * std::cos(0.7 * static_cast<double>(i)) * std::exp(-0.01 * static_cast<double>(i % 40));
     e.distinct_particles = 40 + static_cast<int>(rng.index(45));
     e.distinct_ancestors = std::max(1, static_cast<int>(100 * std::exp(-0.04 * static_cast<double>(i))));
     e.nis = std::max(0.05, 1.0 + rng.normal(0, 0.35));

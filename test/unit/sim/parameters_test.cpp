@@ -66,7 +66,7 @@ TEST(WorldParameters, RefusesImpossibleNumbers) {
   using W = WorldParameters;
   using R = RobotParameters;
   expect_refusal("path.loops: expected a finite number >= 1, got 0", [](W& w, R&) { w.path.loops = 0; });
-  expect_refusal("path.stop_spacing_cm: expected a finite number > 0, got -12",
+  expect_refusal("path.stop_spacing_cm: expected a finite number >= 0.1, got -12",
                  [](W& w, R&) { w.path.stop_spacing = -0.12; });
   expect_refusal("path.scans_at_start: expected a finite number >= 1, got 0",
                  [](W& w, R&) { w.path.scans_at_start = 0; });
@@ -81,13 +81,14 @@ TEST(WorldParameters, RefusesImpossibleNumbers) {
 TEST(RobotParameters, RefusesImpossibleNumbers) {
   using W = WorldParameters;
   using R = RobotParameters;
-  expect_refusal("robot 'paper002': sonar.stepper.pings: expected a finite number >= 1, got 0",
+  expect_refusal("robot 'paper002': sonar.stepper.pings: expected a finite number >= 1 and <= 10000, got 0",
                  [](W&, R& r) { r.sonar.stepper.pings = 0; });
   expect_refusal("sonar.half_angle_deg: expected a finite number > 0 and < 90, got 90",
                  [](W&, R& r) { r.sonar.half_angle = radians(90); });
   expect_refusal("sonar.outliers", [](W&, R& r) { r.sonar.outliers = 1.5; });
   expect_refusal("sonar.noise.base_cm", [](W&, R& r) { r.sonar.noise.base = 0.0; });
-  expect_refusal("drive.speed_m_per_s: expected a finite number > 0, got 0", [](W&, R& r) { r.drive.speed = 0.0; });
+  expect_refusal("drive.speed_m_per_s: expected a finite number >= 0.001, got 0",
+                 [](W&, R& r) { r.drive.speed = 0.0; });
   expect_refusal("odometry.turn_deg: expected a finite number >= 0, got -1",
                  [](W&, R& r) { r.odometry.turn = radians(-1.0); });
 }

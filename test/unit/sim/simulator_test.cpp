@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/observation_order.hpp"
 #include "unit/sim/heptagon.hpp"
 #include "unit/sim/recording.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 using test::Recording;
 
 std::int64_t utime(const Observation& o) {
-  return std::visit([](const auto& value) { return value.stamp.utime; }, o);
+  return stamp_of(o).utime;
 }
 
 bool equal(const UltrasonicScan& a, const UltrasonicScan& b) {
