@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -242,6 +243,44 @@ TEST(RecordedMrclam6, HasTheErrorsItsDescriptionLists) {
     EXPECT_NEAR(deviation(r.bearing), row.bearing_sd, 0.002);
     EXPECT_NEAR(r.dead_reckoning_rms, row.rms, 0.1);
     EXPECT_NEAR(r.dead_reckoning_max, row.max, 0.1);
+  }
+}
+
+// Mean normalised squared error of the odometry over windows of 5 s, per degree of freedom.
+double odometry_consistency(const MrclamParameters& p) {
+  constexpr double kWindow = 5.0, kMaxGap = 0.1;
+  Mrclam source(p);
+  std::optional<GroundTruth> begin, last;
+  PoseGaussian motion;
+  double sum = 0.0;
+  int windows = 0;
+  while (const auto o = source.next()) {
+    if (const auto* odometry = std::get_if<Odometry>(&*o)) {
+      motion = motion * PoseGaussian{odometry->increment, odometry->covariance};
+    } else if (const auto* truth = std::get_if<GroundTruth>(&*o)) {
+      const bool hole = last && seconds(truth->stamp.utime - last->stamp.utime) > kMaxGap;
+      last = *truth;
+      const bool full = begin && seconds(truth->stamp.utime - begin->stamp.utime) >= kWindow;
+      if (begin && !hole && !full) continue;
+      if (full && !hole) {
+        const Vector3 error = difference(motion.mean, between(begin->base_in_map, truth->base_in_map));
+        const Matrix3 covariance = motion.covariance + 1e-4 * Matrix3::Identity();  // 1 cm, 0.6 deg: pairing in time
+        sum += error.dot(covariance.ldlt().solve(error)) / 3.0;
+        ++windows;
+      }
+      begin = *truth;
+      motion = {};
+    }
+  }
+  return sum / windows;
+}
+
+TEST(RecordedMrclam6, OdometryIsAboutAsUncertainAsItSays) {
+  NOCTULE_RECORDED(folder, "mrclam6");
+  for (int robot = 1; robot <= 5; ++robot) {
+    const double nees = odometry_consistency({.path = folder, .robot = robot});
+    EXPECT_GT(nees, 0.5) << robot;
+    EXPECT_LT(nees, 1.5) << robot;
   }
 }
 
