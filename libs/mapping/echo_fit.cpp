@@ -100,34 +100,35 @@ EchoFit improved(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<c
 
 Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
                         const RobustParameters& parameters) {
-  Matrix3 a = Matrix3::Zero();
-  std::vector<std::pair<int, Vector3>> scores;  // by stop
-  scores.reserve(members.size());
-  for (const int i : members) {
+  struct Stop {
+    int number;
+    Matrix3 information = Matrix3::Zero();
+    Vector3 score = Vector3::Zero();
+  };
+  std::vector<int> by_stop(members.begin(), members.end());
+  const auto stop_of = [&](int i) { return arcs[static_cast<std::size_t>(i)].stop; };
+  std::stable_sort(by_stop.begin(), by_stop.end(), [&](int a, int b) { return stop_of(a) < stop_of(b); });
+  std::vector<Stop> stops;
+  Matrix3 information = Matrix3::Zero();
+  for (const int i : by_stop) {
     const SonarArc& arc = arcs[static_cast<std::size_t>(i)];
+    if (stops.empty() || stops.back().number != arc.stop) stops.push_back({.number = arc.stop});
     const Reflector::Sight s = fit.reflector.sight(arc.sensor);
     const double e = arc.range - s.range, precision = 1.0 / (arc.sigma * arc.sigma);
     const auto [weight, slope] = biweight(e / (parameters.tukey * fit.scale * arc.sigma));
-    if (weight <= 0.0) continue;
     const Vector3 j = fit.reflector.gradient(arc.sensor, s);
-    a += slope * precision * j * j.transpose();
-    scores.emplace_back(arc.stop, weight * precision * e * j);
+    stops.back().information += slope * precision * j * j.transpose();
+    stops.back().score += weight * precision * e * j;
   }
-  std::stable_sort(scores.begin(), scores.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
-  Matrix3 b = Matrix3::Zero();
-  int stops = 0;
-  for (std::size_t i = 0; i < scores.size();) {
-    Vector3 sum = Vector3::Zero();
-    const int stop = scores[i].first;
-    for (; i < scores.size() && scores[i].first == stop; ++i) sum += scores[i].second;
-    b += sum * sum.transpose();
-    ++stops;
+  for (const Stop& stop : stops) information += stop.information;
+  if (fit.reflector.dimension() == 2) information(2, 2) = 1.0;
+  const Matrix3 inverse = information.inverse();
+  Matrix3 scatter = Matrix3::Zero();
+  for (const Stop& stop : stops) {
+    const Vector3 d = (Matrix3::Identity() - stop.information * inverse).inverse() * stop.score;
+    scatter += d * d.transpose();
   }
-  const int dimension = fit.reflector.dimension();
-  if (dimension == 2) a(2, 2) = 1.0;
-  const Matrix3 bread = a.inverse();
-  const double small_sample = static_cast<double>(stops) / std::max(1, stops - dimension);
-  return small_sample * bread * b * bread.transpose();
+  return inverse * scatter * inverse;
 }
 
 }  // namespace noctule::mapping

@@ -43,8 +43,8 @@ struct EchoFit {
 [[nodiscard]] EchoFit improved(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
                                const RobustParameters& parameters);
 
-/// Covariance of such a fit, order as Reflector::gradient; unused rows are 0. It is the sandwich A^-1 B A^-1 with B
-/// summed by stops (Liang and Zeger 1986), times G / (G - dimension) for G stops: it follows the noise that is there,
+/// Covariance of such a fit, order as Reflector::gradient; unused rows are 0. It is the jackknife over stops (the
+/// sandwich estimator CR3 of MacKinnon and White 1985 with the stops as clusters): it follows the noise that is there,
 /// and counts readings of one stop, which share the error of its pose, as dependent.
 [[nodiscard]] Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
                                       const RobustParameters& parameters);
