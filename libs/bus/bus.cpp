@@ -73,7 +73,7 @@ struct Bus::Subscription {
     } catch (...) {
       const std::exception_ptr error = std::current_exception();
       self.inbox.handler_failed(what(error));
-      if (!self.bus.handler_error_) self.bus.handler_error_ = error;
+      if (!self.bus.error_) self.bus.error_ = error;
     }
   }
 };
@@ -90,9 +90,19 @@ void Bus::publish_bytes(const std::string& channel, std::int64_t utime, Bytes by
   ++at->second.messages;
   at->second.bytes += static_cast<std::int64_t>(bytes.size());
 
-  if (log_ && !not_logged_.contains(channel)) log_->write(channel, utime, bytes);
+  if (log_ && !not_logged_.contains(channel)) record(channel, utime, bytes);
   send(*link_, channel, bytes);
   if (mirror_) send(*mirror_, channel, bytes);
+}
+
+void Bus::record(const std::string& channel, std::int64_t utime, Bytes bytes) {
+  try {
+    log_->write(channel, utime, bytes);
+  } catch (const InputError&) {
+    log_.reset();
+    if (!handling_) throw;
+    if (!error_) error_ = std::current_exception();
+  }
 }
 
 void Bus::send(Link& link, const std::string& channel, Bytes bytes) {
@@ -134,7 +144,7 @@ int Bus::handle(int wait_ms, std::optional<std::chrono::steady_clock::time_point
   }
   const bool failed = status < 0 && errno != EINTR;
   handling_ = false;
-  if (handler_error_) std::rethrow_exception(std::exchange(handler_error_, nullptr));
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
   if (failed) throw std::runtime_error(link_->url() + ": LCM cannot wait for messages");
   return handled;
 }

@@ -66,7 +66,8 @@ class Bus {
   /// \throws InputError as the constructor, and for memq://
   void mirror_to(const std::string& url);
 
-  /// From now on writes everything published here into the log, stamped with its own utime.
+  /// From now on writes everything published here into the log, stamped with its own utime. Where the log takes no
+  /// more (disk full) its InputError leaves publish(), or drain() when a handler published: no handler can hide it.
   void record_to(LogWriter log, std::set<std::string> except = {});
 
   /// Who hears of refused messages and failed datagrams. Nobody at first: they are only counted.
@@ -85,6 +86,7 @@ class Bus {
   using ByteHandler = std::function<void(Bytes, Inbox&)>;
 
   const Reception& subscribe_bytes(const std::string& channel, ByteHandler handler);
+  void record(const std::string& channel, std::int64_t utime, Bytes bytes);
   void send(Link& link, const std::string& channel, Bytes bytes);
   int handle(int wait_ms, std::optional<std::chrono::steady_clock::time_point> deadline);
 
@@ -97,7 +99,7 @@ class Bus {
   std::int64_t failed_sends_ = 0;
   ProblemHandler problem_;
   std::vector<std::uint8_t> buffer_;
-  std::exception_ptr handler_error_;  ///< the first one since drain() began
+  std::exception_ptr error_;  ///< the first one since drain() began
   bool handling_ = false;
 };
 

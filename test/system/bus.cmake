@@ -10,7 +10,10 @@ gtest_discover_tests(bus_udpm_test TEST_PREFIX system. PROPERTIES LABELS system)
 add_test(NAME system.bus_spy COMMAND ${CMAKE_CURRENT_LIST_DIR}/bus_spy.sh ${PROJECT_SOURCE_DIR}
                                      ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 add_test(NAME system.bus_no_route COMMAND ${CMAKE_CURRENT_LIST_DIR}/bus_no_route.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
-set_tests_properties(system.bus_spy system.bus_no_route PROPERTIES LABELS system SKIP_RETURN_CODE 77 TIMEOUT 120)
+add_test(NAME system.bus_unlisted_type COMMAND ${CMAKE_CURRENT_LIST_DIR}/bus_unlisted_type.sh ${PROJECT_SOURCE_DIR}
+                                               ${CMAKE_COMMAND})
+set_tests_properties(system.bus_spy system.bus_no_route system.bus_unlisted_type
+                     PROPERTIES LABELS system SKIP_RETURN_CODE 77 TIMEOUT 120)
 
 find_program(NOCTULE_PYTHON python3)
 mark_as_advanced(NOCTULE_PYTHON)

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "bus/bus.hpp"
+#include "core/rng.hpp"
 #include "unit/bus/messages.hpp"
 
 namespace noctule::bus {
@@ -148,6 +149,21 @@ TEST_F(Log, CorruptBytesAreNamedByTheirPlace) {
   EXPECT_EQ(with_byte(event_size + 24, 0x70).substr(0, second.size()), second);
 }
 
+/// Whatever the bytes: events, the end or an InputError, and never more memory than the file is long.
+TEST_F(Log, SurvivesCorruptBytes) {
+  write_events(3);
+  const std::string whole = content();
+  Rng rng(1, stream_id("log"));
+  int accepted = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::string bytes = whole;
+    for (int k = 0; k < 4; ++k) bytes[rng.index(bytes.size())] = static_cast<char>(rng());
+    set_content(bytes);
+    if (refusal(path_) == "accepted") ++accepted;
+  }
+  EXPECT_GT(accepted, 0) << "corrupt messages are not the reader's to judge";
+}
+
 TEST_F(Log, OtherFilesAreRefused) {
   set_content("# a text file\n");
   EXPECT_EQ(refusal(path_), path_.string() + ": byte 0: expected an event of an LCM log, got no sync word");
@@ -170,6 +186,22 @@ TEST_F(Log, AFullDiskIsReported) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
   LogWriter writer("/dev/full");
   EXPECT_THROW(write(writer, 0), InputError);
+}
+
+TEST_F(Log, AHandlerCannotHideAFullDisk) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  Bus bus;
+  bus.subscribe<odometry>("ODOMETRY", [&](const odometry& m) {
+    try {
+      bus.publish("OTHER", m);
+    } catch (const InputError&) {
+    }
+  });
+  bus.publish("ODOMETRY", make_odometry(0));
+  bus.record_to(LogWriter("/dev/full"));
+  EXPECT_THROW(bus.drain(), InputError);
+  bus.publish("ODOMETRY", make_odometry(1));
+  EXPECT_EQ(bus.drain(), 1) << "the bus goes on without a log";
 }
 
 }  // namespace
