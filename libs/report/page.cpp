@@ -139,12 +139,15 @@ std::string contour_section(const RunData& data) {
 }
 
 std::string run_section(const RunData& data) {
-  std::string content = metric_table(data) + timing_table(data) + module_table(data);
+  std::string beside = timing_table(data);
   if (!data.config_yaml.empty()) {
-    content +=
+    beside +=
         "<details><summary>Effective configuration</summary><pre>" + escape(data.config_yaml) + "</pre></details>\n";
   }
-  return section("The run in figures", "", content);
+  const std::string metrics = metric_table(data), modules = module_table(data);
+  if (metrics.empty() && beside.empty() && modules.empty()) return {};
+  return section("The run in figures", "",
+                 "<div class=\"split\"><div>\n" + metrics + "</div>\n<div>\n" + beside + "</div></div>\n" + modules);
 }
 
 }  // namespace

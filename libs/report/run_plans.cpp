@@ -61,11 +61,11 @@ std::vector<eval::TimedPose> path_of(const RunData& data) {
   return path;
 }
 
-MapFigure map_figure(const RunData& data) {
+MapFigure map_figure(const RunData& data, bool with_readings) {
   MapFigure figure(extent_of(data), kWidth, kMaxHeight);
   if (data.world.room) figure.room(*data.world.room);
   figure.known_landmarks(data.world.landmarks);
-  figure.readings(data.direct_points);
+  if (with_readings) figure.readings(data.direct_points);
   if (data.contours) figure.uncertainty(data.contours->map);
   figure.path(path_of(data), "estimate-path");
   if (data.contours) {
@@ -80,14 +80,15 @@ MapFigure map_figure(const RunData& data) {
 }  // namespace
 
 std::string map_plan(const RunData& data) {
-  return map_figure(data).svg("Estimated map",
-                              "Plan of the estimated contours and landmarks with three-sigma bounds, over the known "
-                              "ones where these are known, and the robot's path.");
+  return map_figure(data, true)
+      .svg("Estimated map",
+           "Plan of the estimated contours and landmarks with three-sigma bounds, over the known "
+           "ones where these are known, and the robot's path.");
 }
 
 std::string map_svg(const RunData& data) {
-  return map_figure(data).svg(
-      data.title, "Map estimated by Noctule, three-sigma bounds, path; the known world in grey.", kFigureStyle);
+  return map_figure(data, false)
+      .svg(data.title, "Map estimated by Noctule, three-sigma bounds, path; the known world in grey.", kFigureStyle);
 }
 
 std::string readings_plan(const RunData& data) {

@@ -27,7 +27,7 @@
     const unit = data.unit ? ` ${data.unit}` : "";
     const values = data.series
       .filter((s) => s.values[i] !== null)
-      .map((s) => `${s.name} ${s.values[i].toFixed(data.decimals)}${unit}`);
+      .map((s) => `${s.name} ${s.values[i].toFixed(data.decimals).replace("-", "\u2212")}${unit}`);
     return [`${data.time[i].toFixed(1)} s`, ...values].join("  ·  ");
   };
 
