@@ -12,6 +12,7 @@
 #include "core/error.hpp"
 #include "modules/pipeline.hpp"
 #include "modules/pipeline_file.hpp"
+#include "modules/rawlog_module.hpp"
 #include "report/results.hpp"
 
 namespace {
@@ -56,10 +57,12 @@ class ResultsFolder {
     if (kept_) return;
     std::error_code ignored;
     fs::remove(log(), ignored);
+    fs::remove(rawlog(), ignored);
     if (!existed_) fs::remove(dir_, ignored);  // only when empty
   }
 
   [[nodiscard]] fs::path log() const { return dir_ / "run.lcmlog"; }
+  [[nodiscard]] fs::path rawlog() const { return dir_ / "run.rawlog"; }
   void write(const report::RunData& data) {
     kept_ = true;
     report::write_results(data, dir_);
@@ -82,6 +85,8 @@ int run(const apps::CommandLine& line, const std::string& out) {
   modules::Pipeline pipeline(*bus, parameters, modules::Threads{line.threads});
   ResultsFolder results(out);
   bus->record_to(bus::LogWriter(results.log()), {bus::channel::kTiming});
+  std::optional<modules::RawlogModule> rawlog;
+  if (parameters.rawlog) rawlog.emplace(*bus, results.rawlog());
 
   apps::catch_interrupts();
   Progress progress(line.log_level >= apps::LogLevel::info);

@@ -13,6 +13,16 @@ namespace {
 constexpr int kExitFault = 1;
 constexpr int kExitBadInput = 2;
 
+LogLevel parse_log_level(const std::string& text) {
+  static const std::map<std::string, LogLevel> kLevels{
+      {"error", LogLevel::error}, {"warning", LogLevel::warning}, {"info", LogLevel::info}};
+  const auto level = kLevels.find(text);
+  if (level == kLevels.end()) {
+    throw CLI::ValidationError("--log-level: expected error, warning or info, got '" + text + "'");
+  }
+  return level->second;
+}
+
 }  // namespace
 
 std::string version() {
@@ -24,27 +34,26 @@ CommandLine parse_command_line(int argc, char** argv, const Program& program) {
   line.bus = program.default_bus;
   CLI::App app(program.description, program.name);
   app.set_version_flag("--version", program.name + " " + version());
-  app.add_option("FILE,--config", line.file, program.file_help)->required();
+  app.add_option("FILE,--config", line.file, program.file_help);
   app.add_option("--set", line.assignments, "override a value: key.path=value; may be repeated")
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--seed", line.seed, "seed of all random numbers (instead of the file's)");
-  app.add_option("--threads", line.threads, "most threads; no result depends on it")
+  app.add_option("--threads", line.threads, "most threads, 1 to 1024; no result depends on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--bus", line.bus, "memq:// or udpm://GROUP:PORT?ttl=N; ttl=0 stays on this host")
       ->capture_default_str();
   app.add_option("--mirror", line.mirror, "publish everything on this second udpm bus too");
-  const std::map<std::string, LogLevel> levels{
-      {"error", LogLevel::error}, {"warning", LogLevel::warning}, {"info", LogLevel::info}};
-  app.add_option("--log-level", line.log_level, "error, warning or info")
-      ->transform(CLI::CheckedTransformer(levels))
-      ->default_str("info");
+  std::string level = "info";
+  app.add_option("--log-level", level, "error, warning or info")->capture_default_str();
   app.add_flag("--print-config", line.print_config, "print the effective configuration and end");
   for (const Option& option : program.options)
     app.add_option(option.name, *option.value, option.help)->capture_default_str();
   try {
     app.parse(argc, argv);
+    if (line.file.empty()) throw CLI::RequiredError("FILE");
+    line.log_level = parse_log_level(level);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // help, version
     std::cerr << program.name << ": " << error.what() << " (see --help)\n";

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "datasets/mrclam.hpp"
+#include "datasets/rawlog.hpp"
 #include "datasets/sonar_bigwheel.hpp"
 #include "datasets/sonar_corridor.hpp"
 #include "datasets/sonar_scitos24.hpp"
@@ -42,9 +43,10 @@ struct LogParameters {
   }
 };
 
-using SourceParameters = std::variant<SimulatorParameters, LogParameters, datasets::MrclamParameters,
-                                      datasets::SonarCorridorParameters, datasets::SonarBigwheelParameters,
-                                      datasets::SonarScitos24Parameters, datasets::UltrasonicRoomsParameters>;
+using SourceParameters =
+    std::variant<SimulatorParameters, LogParameters, datasets::MrclamParameters, datasets::SonarCorridorParameters,
+                 datasets::SonarBigwheelParameters, datasets::SonarScitos24Parameters,
+                 datasets::UltrasonicRoomsParameters, datasets::RawlogParameters>;
 
 struct PipelineParameters {
   std::string name = "unnamed";
@@ -53,6 +55,7 @@ struct PipelineParameters {
   std::optional<sensors::ExtractorParameters> ultrasonic;
   std::optional<SlamModuleParameters> slam;
   std::optional<MapperModuleParameters> mapping;
+  bool rawlog = false;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -60,11 +63,13 @@ struct PipelineParameters {
     v.field("name", &P::name, "title of the report");
     v.field("seed", &P::seed, "seed of all random numbers");
     v.one_of("source", &P::source,
-             {"simulator", "log", "mrclam", "sonar_corridor", "sonar_bigwheel", "sonar_scitos24", "ultrasonic_rooms"},
+             {"simulator", "log", "mrclam", "sonar_corridor", "sonar_bigwheel", "sonar_scitos24", "ultrasonic_rooms",
+              "rawlog"},
              "where observations come from");
     v.group("ultrasonic", &P::ultrasonic, "contour features from ultrasonic scans; absent: scans go to SLAM alone");
     v.group("slam", &P::slam, "absent: no filter");
     v.group("mapping", &P::mapping, "absent: no maps of contours");
+    v.field("rawlog", &P::rawlog, "write the observations as an MRPT rawlog too");
   }
   [[nodiscard]] std::string validate() const {
     return ultrasonic && !slam ? "ultrasonic: expected the section 'slam' too, which takes its features" : "";

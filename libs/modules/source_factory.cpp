@@ -24,6 +24,9 @@ SourcePointer open(const datasets::SonarBigwheelParameters& p, std::uint64_t) {
 SourcePointer open(const datasets::SonarScitos24Parameters& p, std::uint64_t) {
   return std::make_unique<datasets::SonarScitos24>(p);
 }
+SourcePointer open(const datasets::RawlogParameters& p, std::uint64_t) {
+  return std::make_unique<datasets::RawlogSource>(p);
+}
 SourcePointer open(const datasets::UltrasonicRoomsParameters& p, std::uint64_t) {
   return std::make_unique<datasets::UltrasonicRooms>(p);
 }

@@ -13,8 +13,8 @@ inline const std::string kBin = NOCTULE_BIN_DIR;
 inline const std::string kHeptagon = kSource + "/config/pipelines/heptagon.yaml";
 
 /// The pipeline file and overriding values that make it short: one loop, few particles.
-[[nodiscard]] inline std::vector<std::string> short_run() {
-  return {kHeptagon, "--seed", "7", "--set", "source.world.path.loops=1", "--set", "slam.filter.particles=20"};
+[[nodiscard]] inline std::vector<std::string> short_run(const std::string& seed = "7") {
+  return {kHeptagon, "--seed", seed, "--set", "source.world.path.loops=1", "--set", "slam.filter.particles=20"};
 }
 
 [[nodiscard]] inline std::vector<std::string> command(const std::string& app, std::vector<std::string> arguments,
