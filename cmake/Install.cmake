@@ -27,6 +27,9 @@ foreach(room ${rooms})
   get_property(links GLOBAL PROPERTY NOCTULE_ROOM_${room}_LINKS)
   set(packages "")
   foreach(link ${links})
+    if(link IN_LIST CMAKE_DL_LIBS)  # of the C library
+      continue()
+    endif()
     if(NOT DEFINED package_of_${link})
       message(FATAL_ERROR "cmake/Install.cmake: room '${room}' links ${link}: name its package there")
     endif()
@@ -35,6 +38,9 @@ foreach(room ${rooms})
   string(APPEND NOCTULE_COMPONENT_TABLE "set(noctule_depends_${room} ${depends})\nset(noctule_packages_${room} ${packages})\n")
   list(APPEND NOCTULE_AVAILABLE_COMPONENTS ${room})
 endforeach()
+
+# The plug-in that reads and writes MRPT's rawlogs.
+install(TARGETS noctule_datasets_mrpt LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/noctuleConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/noctuleConfig.cmake INSTALL_DESTINATION ${package_dir})

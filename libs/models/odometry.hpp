@@ -45,4 +45,37 @@ struct OdometryNoise {
   }
 };
 
+/// Noise of odometry that arrives in many small increments: a random walk along the path, so that the sum does not
+/// depend on how finely the path was cut.
+struct OdometryRandomWalk {
+  double along = 0.05;          ///< sd of the distance after one metre [m/sqrt(m)]
+  double drift = radians(2.0);  ///< sd of the heading after one metre [rad/sqrt(m)]
+  double turn = radians(3.0);   ///< sd of the heading after turning one radian [rad/sqrt(rad)]
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.field("along_m_per_sqrt_m", &OdometryRandomWalk::along, Unit{"m/sqrt(m)", 1.0}, "error of the distance driven",
+            at_least(0.0));
+    v.field("drift_deg_per_sqrt_m", &OdometryRandomWalk::drift, unit::degree_per_sqrt_metre,
+            "heading random walk along the way", at_least(0.0));
+    v.field("turn_deg_per_sqrt_rad", &OdometryRandomWalk::turn, Unit{"deg/sqrt(rad)", radians(1.0)},
+            "heading random walk while turning", at_least(0.0));
+  }
+
+  /// Covariance of one increment, order (x, y, yaw). The heading drifts evenly along it.
+  [[nodiscard]] Matrix3 covariance(const Pose2& increment) const {
+    const Vector2 step = increment.position();
+    const double length = step.norm();
+    const double q = drift * drift * length + turn * turn * std::abs(increment.yaw);
+    const Vector2 left(-step.y(), step.x());  // the way the end of the step moves when the heading errs
+    Matrix3 p = Matrix3::Zero();
+    if (length > 0.0) p.topLeftCorner<2, 2>() = along * along / length * step * step.transpose();
+    p.topLeftCorner<2, 2>() += q / 3.0 * left * left.transpose();
+    p.topRightCorner<2, 1>() = 0.5 * q * left;
+    p.bottomLeftCorner<1, 2>() = 0.5 * q * left.transpose();
+    p(2, 2) = q;
+    return p;
+  }
+};
+
 }  // namespace noctule::models

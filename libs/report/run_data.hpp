@@ -30,15 +30,18 @@ struct OccupancyImage {
   std::vector<float> occupancy;      ///< in [0, 1]; anything else (NaN, -1) is unknown
 };
 
-/// What a module said of itself at the end of the run.
+/// What a module said of itself at the end of the run: message counts over all channels that it listens to.
 struct ModuleReport {
   std::string name;
   std::string state;
-  std::int64_t received = 0;
-  std::int64_t published = 0;
-  std::int64_t gaps = 0;
-  std::int64_t duplicates = 0;
+  std::int64_t received = 0;    ///< handled
+  std::int64_t missed = 0;      ///< numbers that never came, or came too late
+  std::int64_t duplicates = 0;  ///< came twice, handled once
+  std::int64_t late = 0;        ///< came after a younger one, not handled
+  std::int64_t dropped = 0;     ///< in order, but of no use
+  std::int64_t errors = 0;      ///< refused, not decodable or failed in the handler
   std::string last_error;
+  std::string warning;
 };
 
 /// Poses are of base_link in the map frame. Whatever a run does not have stays empty: the report adapts.
@@ -63,6 +66,7 @@ struct RunData {
   std::optional<ContourResult> contours_dead_reckoning;  ///< from odometry alone
   std::vector<Vector2> direct_points;  ///< readings put on the beam axis along dead reckoning, unfiltered (figure 9a)
   LandmarkMap landmarks;
+  bool landmark_ids_known = true;  ///< the landmarks' ids are those of `world`; else errors pair them by distance
   std::optional<OccupancyImage> occupancy;
 
   // Figures.

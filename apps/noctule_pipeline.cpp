@@ -1,0 +1,111 @@
+/// The main job: all modules of a pipeline file in one process, and a folder of results.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+#include "apps/common/command_line.hpp"
+#include "apps/common/interrupt.hpp"
+#include "apps/common/summary.hpp"
+#include "core/error.hpp"
+#include "modules/pipeline.hpp"
+#include "modules/pipeline_file.hpp"
+#include "report/results.hpp"
+
+namespace {
+
+using namespace noctule;
+namespace fs = std::filesystem;
+
+constexpr int kExitInterrupted = 130;  // as shells say it of Ctrl-C
+
+/// A line on the terminal that says how far the run is, four times a second. Nothing when it goes elsewhere.
+class Progress {
+ public:
+  explicit Progress(bool wanted) : shown_(wanted && isatty(STDERR_FILENO) != 0) {}
+  ~Progress() { clear(); }
+
+  void show(double data_seconds) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!shown_ || now < next_) return;
+    next_ = now + std::chrono::milliseconds(250);
+    std::fprintf(stderr, "\r%.1f s of data ", data_seconds);
+  }
+  void clear() const {
+    if (shown_) std::fprintf(stderr, "\r%30s\r", "");
+  }
+
+ private:
+  bool shown_;
+  std::chrono::steady_clock::time_point next_;
+};
+
+/// The folder of results while the run lasts. A run that fails leaves nothing of itself; one that is killed leaves its
+/// log, readable up to the last message, and no figures of an earlier run beside it.
+class ResultsFolder {
+ public:
+  explicit ResultsFolder(fs::path dir) : dir_(std::move(dir)), existed_(fs::exists(dir_)) {
+    report::prepare_results(dir_);
+    for (const char* stale : {"metrics.json", "metrics.csv", "timing.json", "trajectory.tum", "report.html"}) {
+      fs::remove(dir_ / stale);
+    }
+  }
+  ~ResultsFolder() {
+    if (kept_) return;
+    std::error_code ignored;
+    fs::remove(log(), ignored);
+    if (!existed_) fs::remove(dir_, ignored);  // only when empty
+  }
+
+  [[nodiscard]] fs::path log() const { return dir_ / "run.lcmlog"; }
+  void write(const report::RunData& data) {
+    kept_ = true;
+    report::write_results(data, dir_);
+  }
+
+ private:
+  fs::path dir_;
+  bool existed_;
+  bool kept_ = false;
+};
+
+int run(const apps::CommandLine& line, const std::string& out) {
+  const modules::PipelineParameters parameters = apps::load_pipeline(line);
+  const std::string config_yaml = modules::dump_pipeline(parameters);
+  if (line.print_config) {
+    std::cout << config_yaml;
+    return 0;
+  }
+  const auto bus = apps::open_bus(line);
+  modules::Pipeline pipeline(*bus, parameters, modules::Threads{line.threads});
+  ResultsFolder results(out);
+  bus->record_to(bus::LogWriter(results.log()), {bus::channel::kTiming});
+
+  apps::catch_interrupts();
+  Progress progress(line.log_level >= apps::LogLevel::info);
+  while (!apps::interrupted() && pipeline.step()) progress.show(pipeline.data_seconds());
+  if (apps::interrupted()) pipeline.stop();
+  progress.clear();
+
+  report::RunData data = pipeline.data();
+  data.version = apps::version();
+  data.config_yaml = config_yaml;
+  if (apps::interrupted()) data.warnings.push_back("The run was stopped before the end of its data.");
+  results.write(data);
+  if (line.log_level >= apps::LogLevel::info) apps::print_summary(std::cout, data, out);
+  return apps::interrupted() ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string out = "results/run";
+  const apps::Program program{.name = "noctule-pipeline",
+                              .description = "Runs a pipeline in one process and writes a folder of results.",
+                              .default_bus = "memq://",
+                              .options = {{"--out", &out, "folder of results"}}};
+  const apps::CommandLine line = apps::parse_command_line(argc, argv, program);
+  return apps::run_guarded(program.name, [&] { return run(line, out); });
+}

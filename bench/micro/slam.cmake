@@ -1,0 +1,1 @@
+noctule_bench(slam ROOMS filters)

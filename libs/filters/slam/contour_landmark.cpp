@@ -1,0 +1,160 @@
+#include "filters/slam/contour_landmark.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/log_weights.hpp"
+
+namespace noctule::filters {
+namespace {
+
+constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
+
+/// Innovation (range, direction) of an echo with its Jacobian.
+template <class Hypothesis>
+struct Innovation {
+  Vector2 value;
+  Eigen::Matrix<double, 2, Hypothesis::kSize> jacobian;
+  Matrix2 noise;
+
+  Innovation(const Hypothesis& h, const PlacedEcho& e) : noise(Matrix2::Zero()) {
+    const auto prediction = h.predict(e);
+    value << e.range - prediction.range, wrap(e.axis - prediction.direction);
+    jacobian.row(0) = prediction.range_by_feature;
+    jacobian.row(1) = prediction.direction_by_feature;
+    noise(0, 0) = e.range_variance;
+    noise(1, 1) = e.bearing_variance;
+  }
+};
+
+template <class Hypothesis>
+double log_density(const Hypothesis& h, const PlacedEcho& e) {
+  if (!h.in_view(e)) return kMinusInfinity;
+  const Innovation<Hypothesis> i(h, e);
+  // The 2 x 2 Gaussian written out: this is the innermost of all loops.
+  const Matrix2 s = i.jacobian * h.covariance * i.jacobian.transpose() + i.noise;
+  const double determinant = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
+  const double d2 = (s(1, 1) * i.value[0] * i.value[0] - 2.0 * s(0, 1) * i.value[0] * i.value[1] +
+                     s(0, 0) * i.value[1] * i.value[1]) /
+                    determinant;
+  return -0.5 * (d2 + std::log(determinant)) - std::log(kTwoPi);
+}
+
+template <class Hypothesis>
+double update(Hypothesis& h, const PlacedEcho& e) {
+  const Innovation<Hypothesis> i(h, e);
+  const double nis = joseph_update<Hypothesis::kSize, 2>(h.mean, h.covariance, i.value, i.jacobian, i.noise).nis;
+  h.refresh();
+  return nis;
+}
+
+WallHypothesis start_wall(const ContourFeature& f, const Vector2& surface, const Pose2& base,
+                          const ContourLandmarkParameters& p) {
+  WallHypothesis h;
+  h.anchor = base.position();
+  const double rho = f.has_wall ? f.wall.rho : surface.norm();
+  const double theta = f.has_wall ? f.wall.theta : std::atan2(surface.y(), surface.x());
+  h.mean << rho, theta + base.yaw;
+  h.covariance.diagonal() << p.range_sd * p.range_sd, p.direction_sd * p.direction_sd;
+  h.refresh();
+  return h;
+}
+
+CircleHypothesis start_circle(const ContourFeature& f, const Vector2& surface, const Pose2& base,
+                              const ContourLandmarkParameters& p) {
+  double radius = p.radius, radius_sd = p.radius_sd;
+  if (f.type == ContourType::point) {
+    radius = 0.0;
+    radius_sd = p.point_radius_sd;
+  } else if (f.type == ContourType::arc && f.has_circle && f.circle_covariance(2, 2) < radius_sd * radius_sd) {
+    radius = std::max(f.circle.radius, 0.0);
+  }
+  // The surface is known along and across the line of sight; the centre lies one radius behind it.
+  const Vector2 across = Pose2{0.0, 0.0, base.yaw} * Vector2(-surface.y(), surface.x());
+  const Vector2 along = Vector2(across.y(), -across.x()) / across.norm();
+  CircleHypothesis h;
+  h.mean << base * surface + radius * along, radius;
+  const double range_variance = p.range_sd * p.range_sd, radius_variance = radius_sd * radius_sd;
+  h.covariance.topLeftCorner<2, 2>() = (range_variance + radius_variance) * along * along.transpose() +
+                                       p.direction_sd * p.direction_sd * across * across.transpose();
+  h.covariance.topRightCorner<2, 1>() = radius_variance * along;
+  h.covariance.bottomLeftCorner<1, 2>() = radius_variance * along.transpose();
+  h.covariance(2, 2) = radius_variance;
+  return h;
+}
+
+}  // namespace
+
+ContourLandmark::ContourLandmark(const ContourFeature& feature, const Pose2& base, std::int64_t id, int stop,
+                                 const ContourLandmarkParameters& parameters)
+    : id_(id), born_at_(stop) {
+  // A surface nearer than this has no direction.
+  const Vector2 surface = feature.surface.norm() > 1e-3 ? feature.surface : Vector2(1e-3, 0.0);
+  wall_ = start_wall(feature, surface, base, parameters);
+  circle_ = start_circle(feature, surface, base, parameters);
+  if (feature.type == ContourType::wall) kind_ = LandmarkKind::wall;
+  if (feature.type == ContourType::arc) kind_ = LandmarkKind::cylinder;
+  if (feature.type == ContourType::point) kind_ = LandmarkKind::point;
+}
+
+double ContourLandmark::log_likelihood(const PlacedEcho& echo) const {
+  if (kind_ == LandmarkKind::wall) return log_density(wall_, echo);
+  if (kind_ != LandmarkKind::undecided) return log_density(circle_, echo);
+  // Odds of the two types given what was heard so far, equal at first.
+  return log_add_exp(log_ratio_ + log_density(wall_, echo), log_density(circle_, echo)) - log_add_exp(log_ratio_, 0.0);
+}
+
+double ContourLandmark::assimilate(const PlacedEcho& echo, double log_clutter, int stop,
+                                   const ContourLandmarkParameters& parameters) {
+  const double wall = may_be_wall() ? log_density(wall_, echo) : kMinusInfinity;
+  const double circle = may_be_circle() ? log_density(circle_, echo) : kMinusInfinity;
+  double wall_nis = 0.0, circle_nis = 0.0;
+  if (wall > log_clutter) wall_nis = update(wall_, echo);
+  if (circle > log_clutter) circle_nis = update(circle_, echo);
+
+  ++observations_;
+  if (seen_at_ != stop) ++stops_seen_;
+  seen_at_ = stop;
+  if (kind_ == LandmarkKind::undecided) {
+    log_ratio_ += std::max(wall, log_clutter) - std::max(circle, log_clutter);
+    if (stops_seen_ >= parameters.decide_stops && std::abs(log_ratio_) >= parameters.decide_log_ratio) {
+      kind_ = log_ratio_ > 0.0 ? LandmarkKind::wall : LandmarkKind::cylinder;
+    }
+  }
+  return wall > circle ? wall_nis : circle_nis;
+}
+
+bool ContourLandmark::failed(int stop, const ContourLandmarkParameters& parameters) const {
+  return stop - born_at_ >= parameters.trial_stops && stops_seen_ < parameters.confirm_stops;
+}
+
+LandmarkEstimate ContourLandmark::estimate() const {
+  LandmarkEstimate e;
+  e.id = id_;
+  e.kind = kind_;
+  e.observations = observations_;
+  if (kind_ == LandmarkKind::wall) {
+    const Wall about_anchor{wall_.mean[0], wall_.mean[1]};
+    Wall w{about_anchor.rho + wall_.normal.dot(wall_.anchor), about_anchor.theta};
+    Matrix2 j;
+    j << 1.0, w.tangent().dot(wall_.anchor), 0.0, 1.0;
+    if (w.rho < 0.0) j.row(0) *= -1.0;
+    w = normalised(w);
+    e.parameters << w.rho, w.theta, 0.0;
+    e.covariance.topLeftCorner<2, 2>() = j * wall_.covariance * j.transpose();
+    return e;
+  }
+  constexpr double thinnest_cylinder = 0.04;
+  if (kind_ == LandmarkKind::cylinder && circle_.mean[2] < thinnest_cylinder) e.kind = LandmarkKind::point;
+  if (e.kind == LandmarkKind::point) {
+    e.parameters << circle_.mean.head<2>(), 0.0;
+    e.covariance.topLeftCorner<2, 2>() = circle_.covariance.topLeftCorner<2, 2>();
+  } else {
+    e.parameters << circle_.mean.head<2>(), std::max(circle_.mean[2], 0.0);
+    e.covariance = circle_.covariance;
+  }
+  return e;
+}
+
+}  // namespace noctule::filters

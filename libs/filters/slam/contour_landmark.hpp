@@ -1,0 +1,105 @@
+#pragma once
+/// Walls, cylinders and points as landmarks of one particle: Kalman filters of their parameters, conditioned on the
+/// particle's path, fed by single echoes. Errors of linearisation stay small because a wall's line is kept about an
+/// anchor near the place it was first heard from.
+#include <cstdint>
+
+#include "core/estimate.hpp"
+#include "core/features.hpp"
+#include "core/gaussian.hpp"
+#include "filters/slam/parameters.hpp"
+#include "models/ultrasonic.hpp"
+
+namespace noctule::filters {
+
+/// One echo as a particle places it, map frame.
+struct PlacedEcho {
+  Vector2 sensor;                 ///< where it was heard [m]
+  double axis = 0.0;              ///< direction of the cone's axis [rad]
+  Vector2 axis_unit;              ///< the same as a vector
+  double gate_cosine = 0.0;       ///< landmarks in directions farther from the axis cannot have made it
+  double range = 0.0;             ///< [m]
+  double range_variance = 0.0;    ///< [m^2]
+  double bearing_variance = 0.0;  ///< of the true direction about the axis [rad^2]
+};
+
+/// A wall (rho, theta) about `anchor`: rho is the signed distance from the anchor.
+struct WallHypothesis {
+  static constexpr int kSize = 2;
+  Vector2 anchor = Vector2::Zero();  ///< map [m]
+  Vector2 mean = Vector2::Zero();
+  Matrix2 covariance = Matrix2::Zero();
+  Vector2 normal = Vector2::UnitX();  ///< of the mean
+
+  [[nodiscard]] bool in_view(const PlacedEcho& e) const {
+    return normal.dot(e.axis_unit) >= e.gate_cosine && mean[0] > normal.dot(e.sensor - anchor);
+  }
+  [[nodiscard]] models::EchoPrediction<2> predict(const PlacedEcho& e) const {
+    return models::predict_echo(Vector2(e.sensor - anchor), Wall{mean[0], mean[1]});
+  }
+  void refresh() {
+    mean[1] = wrap(mean[1]);
+    normal << std::cos(mean[1]), std::sin(mean[1]);
+  }
+};
+
+/// A cylinder (x, y, radius), map frame; a point is one whose radius is known to be 0.
+struct CircleHypothesis {
+  static constexpr int kSize = 3;
+  Vector3 mean = Vector3::Zero();
+  Matrix3 covariance = Matrix3::Zero();
+
+  [[nodiscard]] bool in_view(const PlacedEcho& e) const {
+    const Vector2 d = mean.head<2>() - e.sensor;
+    const double length = d.norm();
+    return d.dot(e.axis_unit) >= e.gate_cosine * length && length > mean[2];
+  }
+  [[nodiscard]] models::EchoPrediction<3> predict(const PlacedEcho& e) const {
+    return models::predict_echo(e.sensor, Cylinder{mean.head<2>(), mean[2]});
+  }
+  void refresh() {}
+};
+
+/// A landmark heard by ultrasound. One or two hypotheses live side by side until the echoes have decided.
+class ContourLandmark {
+ public:
+  /// \param feature of the extractor, in base_link
+  /// \param base pose of the particle in the map
+  /// \param stop number of the present stop
+  /// The feature gives type and linearisation point only; the prior is as wide as the parameters say.
+  ContourLandmark(const ContourFeature& feature, const Pose2& base, std::int64_t id, int stop,
+                  const ContourLandmarkParameters& parameters);
+
+  /// Log density of the echo's range and direction given everything this landmark has heard, per metre and radian;
+  /// -inf when it is out of view. While the type is open, the mixture of both.
+  [[nodiscard]] double log_likelihood(const PlacedEcho& echo) const;
+
+  /// Takes the echo in (both hypotheses, each unless clutter explains it better) and decides the type when it can.
+  /// \return the squared normalised innovation of the better hypothesis, 2 degrees of freedom
+  double assimilate(const PlacedEcho& echo, double log_clutter, int stop, const ContourLandmarkParameters& parameters);
+
+  /// Old enough to be judged, and seen too rarely.
+  [[nodiscard]] bool failed(int stop, const ContourLandmarkParameters& parameters) const;
+
+  /// Map frame, walls with rho >= 0. A cylinder thinner than 4 cm is called a point; an undecided one is given as
+  /// cylinder (x, y, radius).
+  [[nodiscard]] LandmarkEstimate estimate() const;
+
+  [[nodiscard]] LandmarkKind kind() const { return kind_; }
+
+ private:
+  [[nodiscard]] bool may_be_wall() const { return kind_ == LandmarkKind::wall || kind_ == LandmarkKind::undecided; }
+  [[nodiscard]] bool may_be_circle() const { return kind_ != LandmarkKind::wall; }
+
+  std::int64_t id_;
+  LandmarkKind kind_ = LandmarkKind::undecided;
+  WallHypothesis wall_;
+  CircleHypothesis circle_;
+  double log_ratio_ = 0.0;  ///< log likelihood of the wall over that of the circle, of all echoes so far
+  int observations_ = 0;
+  int born_at_;
+  int seen_at_ = -1;  ///< latest stop
+  int stops_seen_ = 0;
+};
+
+}  // namespace noctule::filters

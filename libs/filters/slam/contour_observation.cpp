@@ -1,0 +1,89 @@
+#include "filters/slam/contour_observation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace noctule::filters {
+
+ContourObservation::ContourObservation(const UltrasonicScan& scan, const ContourFeatures& features, int stop,
+                                       std::int64_t first_id, const ParticleSlamParameters& parameters)
+    : parameters_(parameters), stop_(stop), log_clutter_(parameters.echo.log_clutter()) {
+  const double bearing_sd = parameters.echo.bearing_sd_per_half_angle * scan.half_angle;
+  bearing_variance_ = bearing_sd * bearing_sd;
+  gate_cosine_ = std::cos(std::min(4.0 * bearing_sd, kPi));
+
+  constexpr std::size_t no_echo = ~std::size_t{0};
+  std::vector<std::size_t> ping_of_beam(scan.beams.size(), no_echo);
+  for (std::size_t i = 0; i < scan.beams.size(); ++i) {
+    const UltrasonicBeam& beam = scan.beams[i];
+    if (beam.echo != Echo::hit) continue;
+    const double sd = parameters.echo.range_noise.sd(beam.range);
+    ping_of_beam[i] = pings_.size();
+    pings_.push_back({beam.sensor_in_base, beam.range, sd * sd});
+  }
+  for (std::size_t k = 0; k < features.features.size(); ++k) {
+    const ContourFeature& feature = features.features[k];
+    Start start{&feature, {}, first_id - static_cast<std::int64_t>(k)};
+    for (const ReadingId& reading : feature.readings) {
+      if (reading.scan_seq != scan.stamp.seq) continue;
+      const std::size_t ping = ping_of_beam[static_cast<std::size_t>(reading.beam)];
+      if (ping != no_echo) start.pings.push_back(ping);
+    }
+    if (!start.pings.empty()) starts_.push_back(std::move(start));
+  }
+}
+
+PlacedEcho ContourObservation::place(const Pose2& base, const Ping& ping) const {
+  const Pose2 sensor = base * ping.sensor_in_base;
+  return {.sensor = sensor.position(),
+          .axis = sensor.yaw,
+          .axis_unit = {std::cos(sensor.yaw), std::sin(sensor.yaw)},
+          .gate_cosine = gate_cosine_,
+          .range = ping.range,
+          .range_variance = ping.range_variance,
+          .bearing_variance = bearing_variance_};
+}
+
+ObservationFit ContourObservation::apply(const Pose2& base, std::vector<ContourLandmark>& map,
+                                         std::vector<char>& explained) const {
+  std::erase_if(map, [&](const ContourLandmark& l) { return l.failed(stop_, parameters_.contour_landmarks); });
+  explained.assign(pings_.size(), 0);
+  ObservationFit fit;
+  for (std::size_t i = 0; i < pings_.size(); ++i) {
+    const PlacedEcho echo = place(base, pings_[i]);
+    ContourLandmark* best = nullptr;
+    double log_likelihood = log_clutter_;
+    for (ContourLandmark& landmark : map) {
+      const double candidate = landmark.log_likelihood(echo);
+      if (candidate <= log_likelihood) continue;
+      log_likelihood = candidate;
+      best = &landmark;
+    }
+    fit.log_likelihood += log_likelihood;
+    if (best == nullptr) continue;
+    explained[i] = 1;
+    fit.nis += best->assimilate(echo, log_clutter_, stop_, parameters_.contour_landmarks);
+    fit.degrees_of_freedom += 2;
+  }
+  start_landmarks(base, map, explained);
+  return fit;
+}
+
+void ContourObservation::start_landmarks(const Pose2& base, std::vector<ContourLandmark>& map,
+                                         std::vector<char>& explained) const {
+  for (const Start& start : starts_) {
+    const auto unexplained = std::ranges::count_if(start.pings, [&](std::size_t i) { return explained[i] == 0; });
+    if (2 * static_cast<std::size_t>(unexplained) <= start.pings.size()) continue;
+    ContourLandmark landmark(*start.feature, base, start.id, stop_, parameters_.contour_landmarks);
+    for (const std::size_t i : start.pings) {
+      if (explained[i] != 0) continue;
+      const PlacedEcho echo = place(base, pings_[i]);
+      if (landmark.log_likelihood(echo) <= log_clutter_) continue;
+      landmark.assimilate(echo, log_clutter_, stop_, parameters_.contour_landmarks);
+      explained[i] = 1;
+    }
+    map.push_back(landmark);
+  }
+}
+
+}  // namespace noctule::filters

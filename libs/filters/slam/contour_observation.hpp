@@ -1,0 +1,57 @@
+#pragma once
+/// One ultrasonic scan, prepared once for all particles, and what it does to the map of one of them.
+#include <span>
+#include <vector>
+
+#include "core/features.hpp"
+#include "filters/slam/contour_landmark.hpp"
+#include "filters/slam/parameters.hpp"
+
+namespace noctule::filters {
+
+/// What a scan says about a particle.
+struct ObservationFit {
+  double log_likelihood = 0.0;
+  double nis = 0.0;            ///< sum of the squared normalised innovations ...
+  int degrees_of_freedom = 0;  ///< ... and how many numbers they came from
+};
+
+class ContourObservation {
+ public:
+  /// \param stop number of the stop the scan was taken at
+  /// \param first_id identity of the first feature's landmark, should it become one; the k-th gets first_id - k
+  /// The scan and the features are checked already and must outlive this object.
+  ContourObservation(const UltrasonicScan& scan, const ContourFeatures& features, int stop, std::int64_t first_id,
+                     const ParticleSlamParameters& parameters);
+
+  /// Gives each echo to the landmark that explains it best, or to clutter; each enters at most one landmark, once.
+  /// Then starts landmarks from those features whose echoes of this scan are mostly unexplained, and gives them these
+  /// echoes. Removes landmarks that failed.
+  /// \param base pose of the particle in the map
+  /// \param explained scratch
+  ObservationFit apply(const Pose2& base, std::vector<ContourLandmark>& map, std::vector<char>& explained) const;
+
+ private:
+  struct Ping {
+    Pose2 sensor_in_base;
+    double range;
+    double range_variance;
+  };
+  struct Start {
+    const ContourFeature* feature;
+    std::vector<std::size_t> pings;  ///< of this scan, indices into pings_
+    std::int64_t id;
+  };
+  [[nodiscard]] PlacedEcho place(const Pose2& base, const Ping& ping) const;
+  void start_landmarks(const Pose2& base, std::vector<ContourLandmark>& map, std::vector<char>& explained) const;
+
+  const ParticleSlamParameters& parameters_;
+  int stop_;
+  double bearing_variance_;
+  double gate_cosine_;
+  double log_clutter_;
+  std::vector<Ping> pings_;  ///< echoes only
+  std::vector<Start> starts_;
+};
+
+}  // namespace noctule::filters

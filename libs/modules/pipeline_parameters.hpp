@@ -1,0 +1,74 @@
+#pragma once
+/// What a pipeline file says (config/pipelines/*.yaml).
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "datasets/mrclam.hpp"
+#include "datasets/sonar_bigwheel.hpp"
+#include "datasets/sonar_corridor.hpp"
+#include "datasets/sonar_scitos24.hpp"
+#include "datasets/ultrasonic_rooms.hpp"
+#include "modules/mapper_module.hpp"
+#include "modules/slam_module.hpp"
+#include "sensors/ultrasonic/extractor.hpp"
+#include "sim/robot.hpp"
+#include "sim/world.hpp"
+
+namespace noctule::modules {
+
+struct SimulatorParameters {
+  sim::WorldParameters world;
+  sim::RobotParameters robot;
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.group("world", &SimulatorParameters::world, "room and way");
+    v.group("robot", &SimulatorParameters::robot, "drive and sensors");
+  }
+};
+
+/// An LCM log with observations, as noctule-pipeline and lcm-logger write them.
+struct LogParameters {
+  std::filesystem::path path;
+  std::optional<sim::WorldParameters> world;
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.field("path", &LogParameters::path, "the log");
+    v.group("world", &LogParameters::world, "where it was recorded: known room and start, for evaluation");
+  }
+};
+
+using SourceParameters = std::variant<SimulatorParameters, LogParameters, datasets::MrclamParameters,
+                                      datasets::SonarCorridorParameters, datasets::SonarBigwheelParameters,
+                                      datasets::SonarScitos24Parameters, datasets::UltrasonicRoomsParameters>;
+
+struct PipelineParameters {
+  std::string name = "unnamed";
+  std::uint64_t seed = 1;
+  SourceParameters source;
+  std::optional<sensors::ExtractorParameters> ultrasonic;
+  std::optional<SlamModuleParameters> slam;
+  std::optional<MapperModuleParameters> mapping;
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = PipelineParameters;
+    v.field("name", &P::name, "title of the report");
+    v.field("seed", &P::seed, "seed of all random numbers");
+    v.one_of("source", &P::source,
+             {"simulator", "log", "mrclam", "sonar_corridor", "sonar_bigwheel", "sonar_scitos24", "ultrasonic_rooms"},
+             "where observations come from");
+    v.group("ultrasonic", &P::ultrasonic, "contour features from ultrasonic scans; absent: scans go to SLAM alone");
+    v.group("slam", &P::slam, "absent: no filter");
+    v.group("mapping", &P::mapping, "absent: no maps of contours");
+  }
+  [[nodiscard]] std::string validate() const {
+    return ultrasonic && !slam ? "ultrasonic: expected the section 'slam' too, which takes its features" : "";
+  }
+};
+
+}  // namespace noctule::modules

@@ -1,0 +1,94 @@
+#include "modules/slam_module.hpp"
+
+#include "modules/names.hpp"
+#include "noctule/contour_features.hpp"
+#include "noctule/landmark_detections.hpp"
+#include "noctule/odometry.hpp"
+#include "noctule/ultrasonic_scan.hpp"
+
+namespace noctule::modules {
+
+SlamModule::SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, const SlamInput& input,
+                       std::uint64_t seed, const Pose2& start)
+    : Module(bus, name::kSlam), parameters_(parameters), input_(input), filter_(parameters.filter, seed, start) {
+  listen<odometry>(bus::channel::kOdometry, [this](const Odometry& o) { take(o); });
+  listen<landmark_detections>(bus::channel::kLandmarkDetections, [this](const LandmarkDetections& d) { take(d); });
+  listen<ultrasonic_scan>(bus::channel::kUltrasonicScan, [this](const UltrasonicScan& scan) { take(scan); });
+  if (input.features) {
+    listen<contour_features>(bus::channel::kContourFeatures, [this](const ContourFeatures& f) { take_features(f); });
+    finish_after({name::kSource, name::kUltrasonic});
+  } else {
+    finish_after({name::kSource});
+  }
+}
+
+void SlamModule::take(Input input) {
+  const auto* scan = std::get_if<UltrasonicScan>(&input);
+  if (scan == nullptr || !input_.features) {
+    if (waiting_.empty()) return process(input, {});
+    waiting_.push_back(std::move(input));
+    return;
+  }
+  if (!waiting_.empty()) {
+    count_dropped("scan " + std::to_string(std::get<UltrasonicScan>(waiting_.front()).stamp.seq) +
+                  " went into the filter without its contour features");
+    process_waiting(nullptr);
+  }
+  const std::int64_t seq = scan->stamp.seq;
+  waiting_.push_back(std::move(input));
+  if (early_features_ && early_features_->stamp.seq == seq) {
+    const ContourFeatures features = *std::exchange(early_features_, std::nullopt);
+    process_waiting(&features);
+  }
+}
+
+void SlamModule::take_features(const ContourFeatures& features) {
+  const bool awaited = !waiting_.empty() && std::get<UltrasonicScan>(waiting_.front()).stamp.seq == features.stamp.seq;
+  if (awaited) return process_waiting(&features);
+  if (features.stamp.seq < features_due_) {
+    return count_dropped("contour features of scan " + std::to_string(features.stamp.seq) + " came too late");
+  }
+  early_features_ = features;
+}
+
+void SlamModule::process_waiting(const ContourFeatures* features) {
+  const std::deque<Input> inputs = std::exchange(waiting_, {});
+  features_due_ = std::get<UltrasonicScan>(inputs.front()).stamp.seq + 1;
+  process(inputs.front(), features != nullptr ? *features : ContourFeatures{});
+  for (std::size_t i = 1; i < inputs.size(); ++i) process(inputs[i], {});
+}
+
+void SlamModule::process(const Input& input, const ContourFeatures& features) {
+  if (const auto* motion = std::get_if<Odometry>(&input)) return filter_.predict(*motion);
+  if (const auto* scan = std::get_if<UltrasonicScan>(&input)) filter_.update(*scan, features);
+  if (const auto* detections = std::get_if<LandmarkDetections>(&input)) filter_.update(*detections);
+  publish_estimate();
+}
+
+void SlamModule::publish_estimate() {
+  const SlamEstimate estimate = filter_.estimate();
+  publish(bus::channel::kSlamEstimate, estimate);
+  if (parameters_.particles_shown > 0) {
+    publish(bus::channel::kSlamParticles, filter_.particles(parameters_.particles_shown));
+  }
+  const std::int64_t utime = estimate.stamp.utime;
+  if (!map_utime_) map_utime_ = utime;
+  if (seconds(utime - *map_utime_) < parameters_.map_period) return;
+  map_utime_ = utime;
+  publish_map();
+}
+
+void SlamModule::publish_map() {
+  publish(bus::channel::kSlamMap, filter_.map());
+  publish(bus::channel::kSlamPath, filter_.path());
+}
+
+void SlamModule::on_finish() {
+  if (!waiting_.empty()) {
+    count_dropped("the last scan went into the filter without its contour features");
+    process_waiting(nullptr);
+  }
+  publish_map();
+}
+
+}  // namespace noctule::modules

@@ -1,0 +1,61 @@
+#pragma once
+#include <deque>
+#include <optional>
+#include <variant>
+
+#include "filters/slam/particle_slam.hpp"
+#include "modules/module.hpp"
+
+namespace noctule::modules {
+
+struct SlamModuleParameters {
+  filters::ParticleSlamParameters filter;
+  double map_period = 5.0;
+  int particles_shown = 200;
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = SlamModuleParameters;
+    v.group("filter", &P::filter, "the particle filter");
+    v.field("map_period_s", &P::map_period, unit::second, "time between two maps and paths on the bus", positive());
+    v.field("particles_shown", &P::particles_shown, unit::one, "most particles on the bus, for the eye",
+            between(0, 1000));
+  }
+};
+
+/// What the filter is fed with beside odometry.
+struct SlamInput {
+  bool features = true;  ///< scans come with CONTOUR_FEATURES of an ultrasonic module: wait for them
+};
+
+/// ODOMETRY, ULTRASONIC_SCAN, CONTOUR_FEATURES, LANDMARK_DETECTIONS -> SLAM_ESTIMATE after each scan and sighting,
+/// SLAM_PARTICLES with it, SLAM_MAP and SLAM_PATH now and then and at the end.
+/// A scan waits for its features, and what comes meanwhile waits behind it, so that the filter sees everything in the
+/// order of the source however the messages of two processes interleave. When the next scan comes first, the features
+/// are lost or late: the scan goes in without, which is counted.
+class SlamModule : public Module {
+ public:
+  SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, const SlamInput& input, std::uint64_t seed,
+             const Pose2& start);
+
+ private:
+  using Input = std::variant<Odometry, UltrasonicScan, LandmarkDetections>;
+
+  void take(Input input);
+  void take_features(const ContourFeatures& features);
+  void process_waiting(const ContourFeatures* features);
+  void process(const Input& input, const ContourFeatures& features);
+  void publish_estimate();
+  void publish_map();
+  void on_finish() override;
+
+  SlamModuleParameters parameters_;
+  SlamInput input_;
+  filters::ParticleSlam filter_;
+  std::deque<Input> waiting_;                      ///< empty, or a scan without features and what came after it
+  std::optional<ContourFeatures> early_features_;  ///< overtook their scan
+  std::int64_t features_due_ = 0;                  ///< number of the first scan whose features may still come
+  std::optional<std::int64_t> map_utime_;
+};
+
+}  // namespace noctule::modules

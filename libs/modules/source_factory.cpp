@@ -1,0 +1,68 @@
+#include "modules/source_factory.hpp"
+
+#include "sim/room_geometry.hpp"
+#include "sim/simulator.hpp"
+
+namespace noctule::modules {
+namespace {
+
+using SourcePointer = std::unique_ptr<ObservationSource>;
+
+SourcePointer open(const SimulatorParameters& p, std::uint64_t seed) {
+  return std::make_unique<sim::Simulator>(p.world, p.robot, seed);
+}
+SourcePointer open(const datasets::MrclamParameters& p, std::uint64_t) {
+  return std::make_unique<datasets::Mrclam>(p);
+}
+SourcePointer open(datasets::SonarCorridorParameters p, std::uint64_t seed) {
+  p.noise.seed = seed;
+  return std::make_unique<datasets::SonarCorridor>(p);
+}
+SourcePointer open(const datasets::SonarBigwheelParameters& p, std::uint64_t) {
+  return std::make_unique<datasets::SonarBigwheel>(p);
+}
+SourcePointer open(const datasets::SonarScitos24Parameters& p, std::uint64_t) {
+  return std::make_unique<datasets::SonarScitos24>(p);
+}
+SourcePointer open(const datasets::UltrasonicRoomsParameters& p, std::uint64_t) {
+  return std::make_unique<datasets::UltrasonicRooms>(p);
+}
+
+KnownWorld world_of(const LogParameters& p) {
+  KnownWorld world;
+  if (!p.world) return world;
+  world.name = p.world->name;
+  world.room = sim::RoomGeometry(p.world->room).known_room();
+  world.start_in_map = p.world->path.start;
+  return world;
+}
+
+}  // namespace
+
+SourceAndWorld make_source(bus::Bus& bus, const SourceParameters& parameters, std::uint64_t seed) {
+  return std::visit(
+      [&]<class P>(const P& p) -> SourceAndWorld {
+        if constexpr (std::is_same_v<P, LogParameters>) {
+          return {std::make_unique<LogModule>(bus, p.path), world_of(p)};
+        } else {
+          SourcePointer source = open(p, seed);
+          KnownWorld world = source->world();
+          return {std::make_unique<ObservationModule>(bus, std::move(source)), std::move(world)};
+        }
+      },
+      parameters);
+}
+
+KnownWorld known_world(const SourceParameters& parameters) {
+  return std::visit(
+      []<class P>(const P& p) -> KnownWorld {
+        if constexpr (std::is_same_v<P, LogParameters>) {
+          return world_of(p);
+        } else {
+          return open(p, 0)->world();
+        }
+      },
+      parameters);
+}
+
+}  // namespace noctule::modules

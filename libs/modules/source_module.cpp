@@ -1,0 +1,99 @@
+#include "modules/source_module.hpp"
+
+#include "core/error.hpp"
+#include "core/observation_order.hpp"
+#include "modules/names.hpp"
+#include "noctule/ground_truth.hpp"
+#include "noctule/landmark_detections.hpp"
+#include "noctule/odometry.hpp"
+#include "noctule/ultrasonic_scan.hpp"
+
+namespace noctule::modules {
+namespace {
+
+const char* channel_of(const Odometry&) {
+  return bus::channel::kOdometry;
+}
+const char* channel_of(const UltrasonicScan&) {
+  return bus::channel::kUltrasonicScan;
+}
+const char* channel_of(const LandmarkDetections&) {
+  return bus::channel::kLandmarkDetections;
+}
+const char* channel_of(const GroundTruth&) {
+  return bus::channel::kGroundTruth;
+}
+
+/// Own utime of the message if the channel is one of observations.
+/// \throws InputError when the bytes are no such message
+std::optional<std::int64_t> observation_utime(const bus::LogEvent& event) {
+  if (event.channel == bus::channel::kOdometry) return bus::decode<odometry>(event.data).utime;
+  if (event.channel == bus::channel::kUltrasonicScan) return bus::decode<ultrasonic_scan>(event.data).utime;
+  if (event.channel == bus::channel::kLandmarkDetections) return bus::decode<landmark_detections>(event.data).utime;
+  if (event.channel == bus::channel::kGroundTruth) return bus::decode<ground_truth>(event.data).utime;
+  return std::nullopt;
+}
+
+}  // namespace
+
+SourceModule::SourceModule(bus::Bus& bus) : Module(bus, name::kSource) {}
+
+bool SourceModule::step() {
+  if (finished()) return false;
+  const auto utime = next_utime();
+  if (!utime) {
+    finish();
+    return false;
+  }
+  guard(*utime, [this] { publish_next(); });
+  return true;
+}
+
+ObservationModule::ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source)
+    : SourceModule(bus), source_(std::move(source)) {}
+
+std::optional<std::int64_t> ObservationModule::next_utime() {
+  if (!next_ && !ended_) next_ = source_->next();
+  ended_ = !next_;
+  if (ended_) return std::nullopt;
+  return stamp_of(*next_).utime;
+}
+
+void ObservationModule::publish_next() {
+  std::visit([this](const auto& observation) { publish_as_numbered(channel_of(observation), observation); }, *next_);
+  next_.reset();
+}
+
+LogModule::LogModule(bus::Bus& bus, const std::filesystem::path& log) : SourceModule(bus), reader_(log) {}
+
+std::optional<std::int64_t> LogModule::next_utime() {
+  if (!next_) read_next();
+  if (!next_) return std::nullopt;
+  return next_->utime;
+}
+
+void LogModule::publish_next() {
+  publish_bytes(next_->channel, next_->utime, next_->data);
+  next_.reset();
+}
+
+void LogModule::read_next() {
+  while ((next_ = reader_.next())) {
+    ++events_;
+    try {
+      const auto utime = observation_utime(*next_);
+      if (!utime) continue;
+      next_->utime = *utime;
+      return;
+    } catch (const InputError& error) {
+      throw InputError(reader_.path().string() + ": message " + std::to_string(events_) + " on " + next_->channel +
+                       ": " + error.what());
+    }
+  }
+  if (reader_.truncated_bytes() > 0) {
+    warn(reader_.path().string() + " was cut off: its last " + std::to_string(reader_.truncated_bytes()) +
+         " bytes are no whole message");
+  }
+}
+
+}  // namespace noctule::modules

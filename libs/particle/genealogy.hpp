@@ -1,0 +1,88 @@
+#pragma once
+/// Who descends from whom: the histories of particles, and how many of the first ones still have descendants.
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace noctule::particle {
+
+/// Histories of N particles as a tree: what descendants share is stored once, and branches without living descendants
+/// are freed. An append costs O(1); resampling O(N) plus what it frees.
+/// \tparam T one entry of a history
+template <class T>
+class Genealogy {
+ public:
+  explicit Genealogy(std::size_t particles) : leaves_(particles, kNone), founders_(particles) {
+    for (std::size_t i = 0; i < particles; ++i) founders_[i] = static_cast<std::uint32_t>(i);
+  }
+
+  /// Adds an entry to the history of the particle in `slot`.
+  void append(std::size_t slot, const T& value) {
+    const std::uint32_t parent = leaves_[slot];
+    if (unused_.empty()) {
+      unused_.push_back(static_cast<std::uint32_t>(nodes_.size()));
+      nodes_.emplace_back();
+    }
+    const std::uint32_t node = unused_.back();
+    unused_.pop_back();
+    nodes_[node] = {value, parent, 1};  // takes over the slot's reference to the parent
+    leaves_[slot] = node;
+  }
+
+  /// The particle in slot i becomes a copy of the one that was in ancestors[i]. The number of particles may change.
+  void resample(std::span<const std::uint32_t> ancestors) {
+    std::vector<std::uint32_t> leaves(ancestors.size()), founders(ancestors.size());
+    for (std::size_t i = 0; i < ancestors.size(); ++i) {
+      leaves[i] = leaves_[ancestors[i]];
+      founders[i] = founders_[ancestors[i]];
+      if (leaves[i] != kNone) ++nodes_[leaves[i]].references;
+    }
+    for (const std::uint32_t leaf : leaves_) release(leaf);
+    leaves_ = std::move(leaves);
+    founders_ = std::move(founders);
+  }
+
+  /// Entries of the particle in `slot`, oldest first.
+  [[nodiscard]] std::vector<T> history(std::size_t slot) const {
+    std::vector<T> result;
+    for (std::uint32_t node = leaves_[slot]; node != kNone; node = nodes_[node].parent) {
+      result.push_back(nodes_[node].value);
+    }
+    std::ranges::reverse(result);
+    return result;
+  }
+
+  /// How many of the first particles still have descendants.
+  [[nodiscard]] std::size_t distinct_founders() const {
+    std::vector<std::uint32_t> sorted = founders_;
+    std::ranges::sort(sorted);
+    return static_cast<std::size_t>(std::ranges::unique(sorted).begin() - sorted.begin());
+  }
+
+  /// Entries stored: at most N times the length, near the length alone once the histories have one trunk.
+  [[nodiscard]] std::size_t stored() const { return nodes_.size() - unused_.size(); }
+
+ private:
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  struct Node {
+    T value;
+    std::uint32_t parent;
+    std::uint32_t references;  ///< by children and by slots
+  };
+
+  void release(std::uint32_t node) {
+    while (node != kNone && --nodes_[node].references == 0) {
+      unused_.push_back(node);
+      node = nodes_[node].parent;
+    }
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> unused_;
+  std::vector<std::uint32_t> leaves_;    ///< last entry of each slot
+  std::vector<std::uint32_t> founders_;  ///< first particle that each slot descends from
+};
+
+}  // namespace noctule::particle

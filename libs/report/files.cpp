@@ -1,0 +1,44 @@
+#include "report/files.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "core/error.hpp"
+#include "report/results.hpp"
+
+namespace noctule::report {
+namespace fs = std::filesystem;
+
+void write_file(const fs::path& path, std::string_view content) {
+  const fs::path partial = path.parent_path() / ("." + path.filename().string() + ".partial");
+  errno = 0;
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  file.write(content.data(), static_cast<std::streamsize>(content.size()));
+  file.close();
+  std::error_code error(errno, std::generic_category());
+  if (file) fs::rename(partial, path, error = {});
+  if (!file || error) {
+    std::error_code ignored;
+    fs::remove(partial, ignored);
+    throw InputError(path.string() + ": expected a file that can be written, got: " +
+                     (error ? error.message() : std::string("write error")));
+  }
+}
+
+void prepare_results(const fs::path& dir) {
+  std::error_code error;
+  fs::create_directories(dir, error);
+  if (error || !fs::is_directory(dir)) {
+    throw InputError(dir.string() + ": expected a folder for the results, got: " +
+                     (error ? error.message() : std::string("not a folder")));
+  }
+  const fs::path probe = dir / ".writable";
+  errno = 0;
+  if (!std::ofstream(probe)) {
+    throw InputError(dir.string() + ": expected a folder that can be written, got: " + std::strerror(errno));
+  }
+  fs::remove(probe, error);
+}
+
+}  // namespace noctule::report

@@ -1,0 +1,122 @@
+/// noctule-pipeline: repeatable to the byte, interruptible, and a log that brings a run back.
+#include <gtest/gtest.h>
+
+#include "noctule/module_status.hpp"
+#include "noctule/slam_estimate.hpp"
+#include "system/pipeline_setup.hpp"
+
+namespace noctule::system_test {
+namespace {
+
+const std::vector<std::string> kRepeatable{"metrics.json", "trajectory.tum", "config.yaml", "run.lcmlog"};
+
+class PipelineRun : public ::testing::Test {
+ protected:
+  fs::path run_into(const std::string& name, const std::vector<std::string>& more = {}) {
+    const fs::path out = folder_ / name;
+    std::vector<std::string> arguments = more;
+    arguments.insert(arguments.end(), {"--out", out.string()});
+    const Outcome outcome = run(command("noctule-pipeline", short_run(), arguments));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    return out;
+  }
+  Folder folder_;
+};
+
+TEST_F(PipelineRun, SameSeedSameBytesWhateverTheThreads) {
+  const fs::path first = run_into("first"), again = run_into("again"), two = run_into("two", {"--threads", "2"});
+  for (const std::string& file : kRepeatable) {
+    const std::string bytes = read_file(first / file);
+    EXPECT_FALSE(bytes.empty()) << file;
+    EXPECT_TRUE(bytes == read_file(again / file)) << file << " differs in a second run";
+    EXPECT_TRUE(bytes == read_file(two / file)) << file << " differs with two threads";
+  }
+  EXPECT_TRUE(fs::exists(first / "report.html"));
+  EXPECT_TRUE(fs::exists(first / "timing.json"));
+}
+
+TEST_F(PipelineRun, AnotherSeedIsAnotherRun) {
+  EXPECT_NE(read_file(run_into("first") / "trajectory.tum"),
+            read_file(run_into("other", {"--set", "seed=8"}) / "trajectory.tum"));
+}
+
+TEST_F(PipelineRun, TheEffectiveConfigurationRepeatsTheRun) {
+  const fs::path first = run_into("first");
+  const fs::path out = folder_ / "again";
+  const Outcome outcome = run(command("noctule-pipeline", {(first / "config.yaml").string(), "--out", out.string()}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  for (const std::string& file : kRepeatable) EXPECT_TRUE(read_file(first / file) == read_file(out / file)) << file;
+}
+
+TEST_F(PipelineRun, ALogOfARunBringsItBack) {
+  const fs::path first = run_into("first");
+  const fs::path file = folder_ / "replay.yaml";
+  std::ofstream(file) << "source:\n  type: log\n  path: first/run.lcmlog\n  world: {file: " << kSource
+                      << "/config/worlds/heptagon.yaml}\nseed: 7\nultrasonic: {}\n"
+                      << "slam: {filter: {file: " << kSource
+                      << "/config/filters/pf.yaml, particles: 20}}\nmapping: {}\n";
+  const fs::path out = folder_ / "replay";
+  const Outcome outcome = run(command("noctule-pipeline", {file.string(), "--out", out.string()}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(read_file(first / "trajectory.tum") == read_file(out / "trajectory.tum"));
+  EXPECT_TRUE(read_file(first / "metrics.json") == read_file(out / "metrics.json"));
+}
+
+TEST_F(PipelineRun, NothingIsMissedAndAllModulesFinish) {
+  const fs::path log = run_into("first") / "run.lcmlog";
+  std::map<std::string, module_status> last;
+  for (const auto& status : messages_in<module_status>(log, "MODULE_STATUS")) last[status.module] = status;
+  for (const char* module : {"source", "ultrasonic", "slam", "mapper", "mapper_known_pose", "mapper_dead_reckoning"}) {
+    ASSERT_TRUE(last.contains(module)) << module;
+    const module_status& status = last[module];
+    EXPECT_EQ(status.state, module_status::STATE_FINISHED) << module << ": " << status.last_error;
+    EXPECT_EQ(status.missed + status.duplicates + status.late + status.dropped + status.errors, 0) << module;
+  }
+  EXPECT_TRUE(messages_in<module_status>(log, "TIMING").empty()) << "wall-clock figures are not recorded";
+}
+
+TEST_F(PipelineRun, CtrlCStillWritesTheReport) {
+  const fs::path out = folder_ / "out";
+  Process process(
+      command("noctule-pipeline", short_run(), {"--set", "source.world.path.loops=2000", "--out", out.string()}));
+  while (!fs::exists(out / "run.lcmlog") || fs::file_size(out / "run.lcmlog") < 300'000) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  process.send(SIGINT);
+  const Outcome outcome = process.wait();
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.output;
+  for (const char* file : {"report.html", "metrics.json", "trajectory.tum", "config.yaml"}) {
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+  }
+  EXPECT_NE(outcome.output.find("stopped before the end"), std::string::npos) << outcome.output;
+}
+
+TEST_F(PipelineRun, AKilledRunLeavesAReadableLogAndNoOldFigures) {
+  const fs::path out = run_into("out");
+  Process process(
+      command("noctule-pipeline", short_run(), {"--set", "source.world.path.loops=2000", "--out", out.string()}));
+  while (fs::exists(out / "metrics.json") || fs::file_size(out / "run.lcmlog") < 300'000) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  process.send(SIGKILL);
+  EXPECT_EQ(process.wait().exit_code, -SIGKILL);
+  const auto estimates = messages_in<slam_estimate>(out / "run.lcmlog", "SLAM_ESTIMATE");
+  ASSERT_FALSE(estimates.empty());
+  EXPECT_EQ(estimates.back().seq + 1, static_cast<std::int64_t>(estimates.size()));
+  EXPECT_FALSE(fs::exists(out / "metrics.json"));
+  EXPECT_FALSE(fs::exists(out / "report.html"));
+}
+
+TEST_F(PipelineRun, HelpIsQuick) {
+  double least = 1.0;
+  for (int i = 0; i < 5; ++i) {
+    const Outcome outcome = run({kBin + "/noctule-pipeline", "--help"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.output.find("--set"), std::string::npos);
+    least = std::min(least, outcome.cpu_seconds);
+  }
+  EXPECT_LT(least, 0.1);
+}
+
+}  // namespace
+}  // namespace noctule::system_test

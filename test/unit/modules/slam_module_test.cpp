@@ -1,0 +1,143 @@
+/// The filter sees everything in the order of the source, however the messages of two processes interleave.
+#include "modules/slam_module.hpp"
+
+#include <gtest/gtest.h>
+
+#include "heard.hpp"
+#include "noctule/contour_features.hpp"
+#include "noctule/odometry.hpp"
+#include "noctule/slam_estimate.hpp"
+#include "noctule/ultrasonic_scan.hpp"
+
+namespace noctule::modules {
+namespace {
+
+constexpr std::int64_t kPeriod = 100'000;
+
+Odometry motion(std::int64_t seq) {
+  Odometry o;
+  o.stamp = {(seq + 1) * kPeriod, seq};
+  o.increment = {0.1, 0.0, 0.02};
+  o.covariance = Vector3(1e-4, 1e-4, 1e-4).asDiagonal();
+  return o;
+}
+
+/// A wall 2 m ahead of the start, heard head on.
+UltrasonicScan scan(std::int64_t seq) {
+  UltrasonicScan s;
+  s.stamp = {(seq + 1) * kPeriod, seq};
+  s.half_angle = radians(15.0);
+  s.min_range = 0.02;
+  s.max_range = 4.0;
+  s.beams.push_back({{}, 2.0 - 0.1 * static_cast<double>(seq + 1), Echo::hit});
+  return s;
+}
+
+ContourFeatures features(std::int64_t seq) {
+  ContourFeature wall;
+  wall.type = ContourType::wall;
+  wall.track = 0;
+  wall.has_wall = true;
+  wall.wall = {scan(seq).beams[0].range, 0.0};
+  wall.wall_covariance = Vector2(1e-4, 1e-2).asDiagonal();
+  wall.surface = {wall.wall.rho, 0.0};
+  wall.stops = 3;
+  wall.baseline = 0.2;
+  wall.readings = {{seq, 0}};
+  return {scan(seq).stamp, {wall}};
+}
+
+class SlamModuleTest : public ::testing::Test {
+ protected:
+  SlamModuleTest() {
+    SlamModuleParameters parameters;
+    parameters.filter.particles = 20;
+    module_ = std::make_unique<SlamModule>(bus_, parameters, SlamInput{}, 1, Pose2{});
+  }
+  void o(std::int64_t seq) { send("ODOMETRY", convert::to_message(motion(seq))); }
+  void s(std::int64_t seq) { send("ULTRASONIC_SCAN", convert::to_message(scan(seq))); }
+  void f(std::int64_t seq) { send("CONTOUR_FEATURES", convert::to_message(features(seq))); }
+  std::int64_t dropped() {
+    module_->finish();
+    bus_.drain();
+    return statuses_.all.back().dropped;
+  }
+  /// x of the poses, to the bit.
+  std::vector<double> xs() const {
+    std::vector<double> all;
+    for (const auto& estimate : estimates_.all) all.push_back(estimate.x_m);
+    return all;
+  }
+
+  bus::Bus bus_;
+  Heard<slam_estimate> estimates_{bus_, "SLAM_ESTIMATE"};
+  Heard<module_status> statuses_{bus_, "MODULE_STATUS"};
+  std::unique_ptr<SlamModule> module_;
+
+ private:
+  template <class M>
+  void send(const std::string& channel, const M& message) {
+    bus_.publish(channel, message);
+    bus_.drain();
+  }
+};
+
+/// Estimates when everything comes in order.
+std::vector<double> in_order() {
+  class InOrder : public SlamModuleTest {
+   public:
+    void TestBody() override {}
+    std::vector<double> run() {
+      for (const std::int64_t k : {0, 1, 2, 3}) o(k), s(k), f(k);
+      EXPECT_EQ(dropped(), 0);
+      return xs();
+    }
+  };
+  return InOrder().run();
+}
+
+TEST_F(SlamModuleTest, AScanWaitsForItsFeatures) {
+  o(0), s(0);
+  EXPECT_TRUE(estimates_.all.empty());
+  f(0);
+  ASSERT_EQ(estimates_.all.size(), 1u);
+  EXPECT_EQ(estimates_.all[0].utime, scan(0).stamp.utime);
+  EXPECT_EQ(estimates_.all[0].seq, 0);
+}
+
+TEST_F(SlamModuleTest, WhatComesMeanwhileWaitsBehindTheScan) {
+  o(0), s(0), o(1), f(0), s(1), o(2), f(1), s(2), f(2), o(3), s(3), f(3);
+  EXPECT_EQ(dropped(), 0);
+  EXPECT_EQ(xs(), in_order());
+}
+
+TEST_F(SlamModuleTest, FeaturesMayOvertakeTheirScan) {
+  for (const std::int64_t k : {0, 1, 2, 3}) o(k), f(k), s(k);
+  EXPECT_EQ(dropped(), 0);
+  EXPECT_EQ(xs(), in_order());
+}
+
+TEST_F(SlamModuleTest, LostFeaturesAreNotWaitedForForEver) {
+  o(0), s(0), o(1), s(1);
+  ASSERT_EQ(estimates_.all.size(), 1u) << "the first scan, without features";
+  f(1);
+  EXPECT_EQ(estimates_.all.size(), 2u);
+  EXPECT_EQ(dropped(), 1);
+}
+
+TEST_F(SlamModuleTest, LateFeaturesAreCountedAndUnused) {
+  o(0), s(0), o(1), s(1), f(0);
+  EXPECT_EQ(estimates_.all.size(), 1u);
+  f(1);
+  EXPECT_EQ(estimates_.all.size(), 2u);
+  EXPECT_EQ(dropped(), 2) << "a scan without features, features without a scan";
+}
+
+TEST_F(SlamModuleTest, TheLastScanIsNotForgotten) {
+  o(0), s(0);
+  EXPECT_EQ(dropped(), 1);
+  EXPECT_EQ(estimates_.all.size(), 1u);
+}
+
+}  // namespace
+}  // namespace noctule::modules
