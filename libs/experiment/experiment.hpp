@@ -66,7 +66,6 @@ struct Experiment {
   std::uint64_t last_seed = 1;
   std::vector<ScenarioSpec> scenarios;
   std::vector<FilterSpec> filters;
-  std::vector<std::string> metrics;  ///< to keep; empty: all
   std::vector<Reference> references;
 
   template <class Visitor>
@@ -76,7 +75,6 @@ struct Experiment {
     v.field("last_seed", &Experiment::last_seed, unit::one, "last seed");
     v.list("scenarios", &Experiment::scenarios, "where the filters run");
     v.list("filters", &Experiment::filters, "what is compared");
-    v.field("metrics", &Experiment::metrics, unit::one, "what is kept; empty: everything");
     v.list("references", &Experiment::references, "published figures to stand beside ours");
   }
   [[nodiscard]] std::string validate() const;

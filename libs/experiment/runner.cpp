@@ -99,13 +99,6 @@ void write_tables(const Experiment& experiment, const fs::path& directory) {
   write_atomically(directory / "timing.csv", timing.str());
 }
 
-void keep_wanted(const Experiment& experiment, std::vector<Row>& rows) {
-  if (experiment.metrics.empty()) return;
-  std::erase_if(rows, [&](const Row& row) {
-    return std::find(experiment.metrics.begin(), experiment.metrics.end(), row.metric) == experiment.metrics.end();
-  });
-}
-
 }  // namespace
 
 void run(const Experiment& experiment, const std::string& fingerprint, const RunOptions& options,
@@ -144,8 +137,7 @@ void run(const Experiment& experiment, const std::string& fingerprint, const Run
   const auto work = [&] {
     for (std::size_t i = next++; i < todo.size() && !stop; i = next++) {
       try {
-        RunRows rows = scenarios[todo[i].scenario]->run(todo[i].seed, experiment.filters);
-        keep_wanted(experiment, rows.figures);
+        const RunRows rows = scenarios[todo[i].scenario]->run(todo[i].seed, experiment.filters);
         write_atomically(part_file(experiment, todo[i], options.directory, "timing"), text_of(rows.timings));
         write_atomically(part_file(experiment, todo[i], options.directory, "runs"), text_of(rows.figures));
         const std::lock_guard lock(mutex);

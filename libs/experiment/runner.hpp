@@ -22,11 +22,10 @@ struct Progress {
   double seconds_left = 0.0;  ///< estimate
 };
 
-/// Runs what is not yet in `directory`/parts (one file per seed and scenario, written atomically), then writes runs.csv,
-/// summary.csv and timing.csv from the parts in the order of the experiment file.
-/// \param fingerprint text of the effective experiment; a directory that holds another one is refused
-/// \param progress called after each piece, never at once from two threads; returning false stops the run
-/// \throws InputError
+/// Runs what is not yet in `directory`/parts (one file per seed and scenario, written atomically), then writes
+/// runs.csv, summary.csv and timing.csv from the parts in the order of the experiment file. \param fingerprint text of
+/// the effective experiment; a directory that holds another one is refused \param progress called after each piece,
+/// never at once from two threads; returning false stops the run \throws InputError
 void run(const Experiment&, const std::string& fingerprint, const RunOptions&,
          const std::function<bool(const Progress&)>& progress);
 

@@ -18,7 +18,9 @@ namespace {
 constexpr const char* kHeader = "scenario,filter,parameters,seed,metric,unit,value,diverged";
 constexpr std::size_t kColumns = 8;
 
-std::string number(double value) { return std::isfinite(value) ? eval::number_text(value) : std::string(); }
+std::string number(double value) {
+  return std::isfinite(value) ? eval::shortest(value) : std::string();
+}
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> cells(1);
