@@ -13,8 +13,8 @@
 namespace noctule::bus {
 namespace {
 
-/// Messages that may wait for one subscription before the oldest ones are kept and the new ones lost.
-/// LCM's default of 30 is less than one burst of a replayed log.
+/// Messages that may wait for one subscription; new ones beyond it are lost. LCM's default of 30 is less than one burst
+/// of a replayed log.
 constexpr int kReceiveQueue = 10000;
 
 std::string what(const std::exception_ptr& error) {
@@ -117,9 +117,7 @@ const Reception& Bus::subscribe_bytes(const std::string& channel, ByteHandler ha
   Subscription& subscription = *subscriptions_.back();
   lcm_subscription_t* handle = lcm_subscribe(link_->get(), channel.c_str(), &Subscription::receive, &subscription);
   if (handle == nullptr)  // udpm: LCM's self test failed
-    throw InputError(link_->url() +
-                     ": expected to hear our own messages, got none: look for a firewall that drops "
-                     "multicast");
+    throw InputError(link_->url() + ": expected to hear our own messages, got none: does a firewall drop multicast?");
   lcm_subscription_set_queue_capacity(handle, kReceiveQueue);
   return subscription.inbox.reception();
 }

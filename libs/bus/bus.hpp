@@ -58,8 +58,9 @@ class Bus {
   int drain();
 
   /// Waits at most `timeout` for a message, then handles all that has arrived, but starts none after `timeout`: a
-  /// sender that is faster than the handlers cannot keep a module from its other duties. Throws as drain(). \returns
-  /// the number of messages handled; 0 also when a signal ended the wait
+  /// sender that is faster than the handlers cannot keep a module from its other duties.
+  /// \returns the number of messages handled; 0 also when a signal ended the wait
+  /// \throws as drain()
   int handle_for(std::chrono::milliseconds timeout);
 
   /// From now on publishes everything on a second, udpm bus too: one way, for lcm-spy, lcm-logger and the viewer.

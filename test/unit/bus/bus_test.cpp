@@ -1,8 +1,10 @@
 #include "bus/bus.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/time.h>
 
 #include <algorithm>
+#include <csignal>
 
 #include "unit/bus/messages.hpp"
 
@@ -159,6 +161,22 @@ TEST(Bus, WaitsNoLongerThanAsked) {
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(bus.handle_for(std::chrono::milliseconds(20)), 0);
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(15));
+}
+
+TEST(Bus, ASignalEndsTheWait) {
+  Bus bus;
+  struct sigaction quiet {
+  }, before{};
+  quiet.sa_handler = [](int) {};
+  sigaction(SIGALRM, &quiet, &before);
+  const itimerval soon{{0, 20000}, {0, 20000}};  // again and again: the first may come before the wait
+  setitimer(ITIMER_REAL, &soon, nullptr);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(bus.handle_for(std::chrono::seconds(60)), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  const itimerval never{};
+  setitimer(ITIMER_REAL, &never, nullptr);
+  sigaction(SIGALRM, &before, nullptr);
 }
 
 TEST(Bus, ABusyChannelCannotHoldHandleForBeyondItsTime) {
