@@ -16,7 +16,7 @@ class Transducer {
   /// Whether the cone holds the direction (of any length but 0), and how far off the axis it is.
   [[nodiscard]] bool covers(const Vector2& direction, double& off_axis) const {
     const double along = axis_.dot(direction);
-    if (!(along > 0.0) || along < cos_half_angle_ * direction.norm()) return false;
+    if (along <= 0.0 || along < cos_half_angle_ * direction.norm()) return false;
     off_axis = std::abs(std::atan2(axis_.x() * direction.y() - axis_.y() * direction.x(), along));
     return true;
   }
@@ -33,11 +33,7 @@ class Transducer {
 EchoScene::EchoScene(const RoomGeometry& geometry) : geometry_(geometry) {
   for (const WallSegment& w : geometry.walls()) {
     const Vector2 tangent(-w.normal.y(), w.normal.x());
-    faces_.push_back({{w.normal.dot(w.from), std::atan2(w.normal.y(), w.normal.x())},
-                      w.normal,
-                      tangent,
-                      tangent.dot(w.from),
-                      tangent.dot(w.to)});
+    faces_.push_back({w.normal.dot(w.from), w.normal, tangent, tangent.dot(w.from), tangent.dot(w.to)});
   }
   for (const RoomCylinder& c : geometry.cylinders()) cylinders_.push_back(c.cylinder);
   for (const Corner& c : geometry.corners()) {
@@ -66,7 +62,7 @@ void EchoScene::find(const Pose2& emitter, const Pose2& receiver, double half_an
   };
 
   for (const Face& f : faces_) {
-    const double from = f.wall.rho - f.normal.dot(out.position), to = f.wall.rho - f.normal.dot(in.position);
+    const double from = f.rho - f.normal.dot(out.position), to = f.rho - f.normal.dot(in.position);
     if (from <= 0.0 || to <= 0.0) continue;
     const Vector2 image = out.position + 2.0 * from * f.normal;
     const Vector2 foot = in.position + to / (from + to) * (image - in.position);

@@ -1,7 +1,6 @@
 #pragma once
 /// Which surfaces of a room answer a ping, by the specular first-echo rule: a smooth surface is heard only along its
 /// own normal, wherever in the cone that lies.
-#include <optional>
 #include <vector>
 
 #include "sim/room_geometry.hpp"
@@ -38,10 +37,10 @@ class EchoScene {
 
  private:
   struct Face {
-    Wall wall;
+    double rho;  // of the outward normal: negative where the origin lies behind the wall
     Vector2 normal;
     Vector2 tangent;
-    double begin;
+    double begin;  // along the tangent
     double end;
   };
 

@@ -1,7 +1,6 @@
 #include "sim/mounting_svg.hpp"
 
 #include <algorithm>
-#include <array>
 #include <sstream>
 
 namespace noctule::sim {

@@ -1,6 +1,7 @@
 #include "sim/room_geometry.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 #include "core/error.hpp"

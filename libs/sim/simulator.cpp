@@ -1,6 +1,7 @@
 #include "sim/simulator.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "core/check.hpp"
 #include "core/gaussian.hpp"
