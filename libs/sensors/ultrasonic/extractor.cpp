@@ -20,6 +20,7 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxReadings = 64;  ///< that are fused into one sighting while the robot stands
 constexpr int kScaleLag = 4;              ///< scans that the noise scale needs to follow a jump
+constexpr double kGoodFit = 0.05;         ///< probability of chi2 above which a decided surface is not questioned
 constexpr double kAmpleBaseline = 1.5;    ///< in units of the separating one: from here on old sightings may go
 
 [[nodiscard]] std::vector<ReadingId> readings_of(const DepthRegion& region, std::int64_t scan_seq) {
@@ -292,6 +293,7 @@ void UltrasonicExtractor::thin(Track& track) const {
 }
 
 void UltrasonicExtractor::refit(Track& track) {
+  if (still_fits(track)) return;
   const DecisionParameters& p = parameters_.decision;
   const auto evaluate = [&] {
     track.fits = fit_surfaces(track.sightings, p, track.fits);
@@ -313,6 +315,18 @@ void UltrasonicExtractor::refit(Track& track) {
   if (decision.type == ContourType::ambiguous && probability(decision, before) > 1.0 - p.certainty)
     decision.type = before;
   track.decision = decision;
+}
+
+/// Fits a decided track as what it was decided to be. As long as that fits well the other surfaces are not asked.
+bool UltrasonicExtractor::still_fits(Track& track) const {
+  const ContourType type = track.decision.type;
+  if (type == ContourType::ambiguous) return false;
+  const Kinds kind{type == ContourType::wall, type == ContourType::point, type == ContourType::arc};
+  const SurfaceFits fits = fit_surfaces(track.sightings, parameters_.decision, track.fits, kind);
+  const auto good = [](const auto& fit) { return fit && !improbable(*fit, kGoodFit); };
+  if (!(kind.wall ? good(fits.wall) : kind.point ? good(fits.point) : good(fits.cylinder))) return false;
+  track.fits = fits;
+  return true;
 }
 
 ContourFeature UltrasonicExtractor::feature(const Track& track) const {
@@ -339,12 +353,15 @@ ContourFeature UltrasonicExtractor::feature(const Track& track) const {
     f.circle = {fits.point->parameters, 0.0};
     f.circle_covariance.topLeftCorner<2, 2>() = fits.point->covariance;
     f.circle_log_likelihood = fits.point->log_evidence;
-  } else if (fits.cylinder && fits.point && (d.type == ContourType::arc || (undecided && 1.0 - d.wall > open))) {
+  } else if (fits.cylinder && (d.type == ContourType::arc || (undecided && 1.0 - d.wall > open))) {
     const Vector3& x = fits.cylinder->parameters;
     f.has_circle = true;
-    f.circle = x[2] >= 0.0 ? Cylinder{x.head<2>(), x[2]} : Cylinder{fits.point->parameters, 0.0};
+    f.circle = {x.head<2>(), x[2]};
+    if (x[2] < 0.0) f.circle = {fits.point ? fits.point->parameters : Vector2(x.head<2>()), 0.0};
     f.circle_covariance = fits.cylinder->covariance;
-    f.circle_log_likelihood = log_add_exp(fits.cylinder->log_evidence, fits.point->log_evidence) - std::log(2.0);
+    f.circle_log_likelihood = fits.cylinder->log_evidence;
+    if (undecided && fits.point)
+      f.circle_log_likelihood = log_add_exp(f.circle_log_likelihood, fits.point->log_evidence) - std::log(2.0);
   }
   if (f.has_wall && (!f.has_circle || d.wall >= 0.5))
     f.surface = f.wall.rho * f.wall.normal();

@@ -98,6 +98,7 @@ class UltrasonicExtractor {
   void add(Track& track, const Sighting& sighting, Source source) const;
   void thin(Track& track) const;
   void refit(Track& track);
+  [[nodiscard]] bool still_fits(Track& track) const;
   [[nodiscard]] double cost(const Track& track, const Sighting& sighting) const;
   [[nodiscard]] ContourFeature feature(const Track& track) const;
 

@@ -57,7 +57,8 @@ using CylinderFit = SurfaceFit<3>;  ///< parameters (x, y, radius)
 /// \param sightings 1 to kMaxSightings, oldest first. A wall or point needs two numbers, that is one sighting with
 ///   direction or two without; a cylinder needs the prior or one more.
 /// \param outliers nothing: all sightings are taken as they are
-/// \return nothing when the numbers do not determine the surface or the iteration does not converge
+/// \return nothing when the numbers do not determine the surface, when the iteration does not converge, or when the
+///   surface is hopeless (chi2 above 12 per number: more than outliers can explain)
 [[nodiscard]] std::optional<WallFit> fit_wall(std::span<const Sighting> sightings, const Wall& start,
                                               const std::optional<OutlierModel>& outliers = {});
 [[nodiscard]] std::optional<PointFit> fit_point(std::span<const Sighting> sightings, const Vector2& start,

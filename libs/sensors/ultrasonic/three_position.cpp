@@ -16,17 +16,18 @@ constexpr double kImpossible = -std::numeric_limits<double>::infinity();
 template <int D>
 [[nodiscard]] double log_evidence(const std::optional<SurfaceFit<D>>& fit, double rejection) {
   if (!fit) return kImpossible;
-  // Cheap test first: chi2 below twice its mean is never improbable at 1e-4 or less from 8 degrees of freedom on.
-  if (fit->dof > 0 && fit->chi2 > fit->dof && 1.0 - chi2_cdf(fit->chi2, fit->dof) < rejection) return kImpossible;
-  return fit->log_evidence;
+  return improbable(*fit, rejection) ? kImpossible : fit->log_evidence;
 }
 
 [[nodiscard]] Vector2 towards(const Sighting& s, double distance) {
   return s.position + distance * Vector2(std::cos(s.direction), std::sin(s.direction));
 }
 
-[[nodiscard]] bool has_direction(const Sighting& s) {
-  return std::isfinite(s.direction_variance);
+/// The start with the smaller misfit; sightings without directions say nothing about `heard`.
+template <class Surface>
+[[nodiscard]] Surface better(std::span<const Sighting> sightings, const std::optional<Surface>& closed_form,
+                             const Surface& heard) {
+  return closed_form && misfit(sightings, *closed_form) <= misfit(sightings, heard) ? *closed_form : heard;
 }
 
 }  // namespace
@@ -50,44 +51,49 @@ Triple widest_triple(std::span<const Sighting> sightings) {
 }
 
 SurfaceFits fit_surfaces(std::span<const Sighting> sightings, const DecisionParameters& parameters,
-                         const SurfaceFits& previous) {
+                         const SurfaceFits& previous, const Kinds& kinds) {
   SurfaceFits fits;
   if (sightings.empty()) return fits;
   const auto& outliers = parameters.outliers;
-  if (previous.wall)
+  const Sighting& latest = sightings.back();
+  const Triple triple = widest_triple(sightings);
+
+  if (kinds.wall && previous.wall)
     fits.wall = fit_wall(sightings, {previous.wall->parameters[0], previous.wall->parameters[1]}, outliers);
-  if (previous.point) fits.point = fit_point(sightings, previous.point->parameters, outliers);
-  if (previous.cylinder) {
+  if (kinds.wall && !fits.wall) {
+    const auto tangent = tangent_wall(triple.span());
+    const Vector2 foot = towards(latest, latest.range);
+    const Wall heard{foot.dot(towards(latest, 1.0) - latest.position), latest.direction};
+    fits.wall = fit_wall(sightings, better(sightings, tangent, heard), outliers);
+  }
+
+  if (kinds.point && previous.point) fits.point = fit_point(sightings, previous.point->parameters, outliers);
+  if (kinds.point && !fits.point) {
+    std::optional<Cylinder> crossing;
+    if (const auto q = point_at_ranges(triple.span())) crossing = Cylinder{*q, 0.0};
+    const Cylinder heard{towards(latest, latest.range), 0.0};
+    fits.point = fit_point(sightings, better(sightings, crossing, heard).centre, outliers);
+  }
+
+  if (kinds.cylinder && previous.cylinder) {
     const Vector3& x = previous.cylinder->parameters;
     fits.cylinder = fit_cylinder(sightings, {x.head<2>(), x[2]}, parameters.radius, outliers);
   }
-  if (fits.wall && fits.point && fits.cylinder) return fits;
-
-  const Triple triple = widest_triple(sightings);
-  const Sighting& latest = sightings.back();
-  if (!fits.wall) {
-    if (const auto start = tangent_wall(triple.span())) fits.wall = fit_wall(sightings, *start, outliers);
-    if (!fits.wall && has_direction(latest)) {
-      const Vector2 n = towards(latest, 1.0) - latest.position;
-      fits.wall = fit_wall(sightings, {latest.range + n.dot(latest.position), latest.direction}, outliers);
-    }
-  }
-  if (!fits.point) {
-    if (const auto start = point_at_ranges(triple.span())) fits.point = fit_point(sightings, *start, outliers);
-    if (!fits.point && has_direction(latest))
-      fits.point = fit_point(sightings, towards(latest, latest.range), outliers);
-  }
-  if (!fits.cylinder) {
-    if (const auto start = apollonius(triple.span(), parameters.largest_radius))
-      fits.cylinder = fit_cylinder(sightings, *start, parameters.radius, outliers);
-    if (!fits.cylinder && has_direction(latest)) {
-      const double radius = parameters.radius.mean;
-      fits.cylinder =
-          fit_cylinder(sightings, {towards(latest, latest.range + radius), radius}, parameters.radius, outliers);
-    }
+  if (kinds.cylinder && !fits.cylinder) {
+    const auto circle = apollonius(triple.span(), parameters.largest_radius);
+    const double radius = parameters.radius.mean;
+    const Cylinder heard{towards(latest, latest.range + radius), radius};
+    fits.cylinder = fit_cylinder(sightings, better(sightings, circle, heard), parameters.radius, outliers);
   }
   return fits;
 }
+
+template <int D>
+bool improbable(const SurfaceFit<D>& fit, double probability) {
+  return fit.dof > 0 && fit.chi2 > fit.dof && 1.0 - chi2_cdf(fit.chi2, fit.dof) < probability;
+}
+template bool improbable(const SurfaceFit<2>&, double);
+template bool improbable(const SurfaceFit<3>&, double);
 
 Decision decide(const SurfaceFits& fits, int positions, const DecisionParameters& parameters) {
   Decision d;

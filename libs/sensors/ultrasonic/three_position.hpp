@@ -55,10 +55,21 @@ struct Triple {
 };
 [[nodiscard]] Triple widest_triple(std::span<const Sighting> sightings);
 
-/// Fits all surfaces to 1 to kMaxSightings sightings, oldest first. Each fit starts from `previous` where given, else
-/// from the closed forms on the widest triple, else (too short a baseline) from the latest direction.
+/// Which surfaces to fit.
+struct Kinds {
+  bool wall = true;
+  bool point = true;
+  bool cylinder = true;
+};
+
+/// Fits surfaces to 1 to kMaxSightings sightings, oldest first. Each fit starts from `previous` where given, else from
+/// the closed form on the widest triple or from the latest direction, whichever fits better.
 [[nodiscard]] SurfaceFits fit_surfaces(std::span<const Sighting> sightings, const DecisionParameters& parameters,
-                                       const SurfaceFits& previous = {});
+                                       const SurfaceFits& previous = {}, const Kinds& kinds = {});
+
+/// Whether residuals as long as those of the fit or longer have less than the given probability (at most 0.3).
+template <int D>
+[[nodiscard]] bool improbable(const SurfaceFit<D>& fit, double probability);
 
 /// Posterior from the evidences of the fits.
 /// A type is decided from three positions on and when its probability reaches `certainty`. A surface that is certainly
