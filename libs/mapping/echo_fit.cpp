@@ -8,8 +8,9 @@
 namespace noctule::mapping {
 namespace {
 
-constexpr int kCoarse = 2;  // iterations before the scale is estimated
-constexpr int kFine = 15;   // and after
+constexpr int kCoarse = 8;                 // iterations before the scale is estimated, at most
+constexpr double kCoarsePrecision = 1e-4;  // [m, rad]
+constexpr int kFine = 15;                  // and after
 constexpr double kSmallestScale = 0.02;
 
 /// Tukey's biweight: weight and derivative of the influence u (1 - u^2)^2, u being the residual over the cut.
@@ -78,6 +79,7 @@ std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc
     });
     if (!move) return {};
     fit.reflector = fit.reflector.moved(*move);
+    if (move->norm() < kCoarsePrecision) break;
   }
   fit.scale = median_scale(fit.reflector, arcs, members, start.scale, parameters);
   for (int i = 0; i < kFine; ++i) {
@@ -85,8 +87,8 @@ std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc
                            [&](const SonarArc& arc) { return parameters.tukey * fit.scale * arc.sigma; });
     if (!move) return {};
     fit.reflector = fit.reflector.moved(*move);
-    if (i >= 1 && move->norm() < precision) break;
-    if (i == 1) fit.scale = median_scale(fit.reflector, arcs, members, fit.scale, parameters);
+    if (i > 0 && move->norm() < precision) break;
+    if (i == 0) fit.scale = median_scale(fit.reflector, arcs, members, fit.scale, parameters);
   }
   return fit;
 }

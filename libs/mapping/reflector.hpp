@@ -41,12 +41,12 @@ class Reflector {
     return {s.direction.x(), s.direction.y(), type_ == ContourType::arc ? -1.0 : 0.0};
   }
 
-  /// The reflector with `step` added to its parameters; a radius stays >= 0.
+  /// The reflector with `step` added to its parameters; a radius stays >= 0, a point a point.
   [[nodiscard]] Reflector moved(const Vector3& step) const {
     if (is_wall()) return Reflector(Wall{offset_ + step[0], theta_ + step[1]});
     Reflector r = *this;
     r.vector_ += step.head<2>();
-    r.offset_ = std::max(0.0, offset_ + step[2]);
+    if (type_ == ContourType::arc) r.offset_ = std::max(0.0, offset_ + step[2]);
     return r;
   }
 
