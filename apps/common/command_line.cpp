@@ -23,18 +23,8 @@ LogLevel parse_log_level(const std::string& text) {
   return level->second;
 }
 
-}  // namespace
-
-std::string version() {
-  return NOCTULE_VERSION;
-}
-
-CommandLine parse_command_line(int argc, char** argv, const Program& program) {
-  CommandLine line;
-  line.bus = program.default_bus;
-  CLI::App app(program.description, program.name);
-  app.set_version_flag("--version", program.name + " " + version());
-  app.add_option("FILE,--config", line.file, program.file_help);
+void add_shared_options(CLI::App& app, CommandLine& line, const std::string& file_help) {
+  app.add_option("FILE,--config", line.file, file_help);
   app.add_option("--set", line.assignments, "override a value: key.path=value; may be repeated")
       ->take_all()
       ->allow_extra_args(false);
@@ -45,13 +35,32 @@ CommandLine parse_command_line(int argc, char** argv, const Program& program) {
   app.add_option("--bus", line.bus, "memq:// or udpm://GROUP:PORT?ttl=N; ttl=0 stays on this host")
       ->capture_default_str();
   app.add_option("--mirror", line.mirror, "publish everything on this second udpm bus too");
-  std::string level = "info";
-  app.add_option("--log-level", level, "error, warning or info")->capture_default_str();
   app.add_flag("--print-config", line.print_config, "print the effective configuration and end");
-  for (const Option& option : program.options)
-    app.add_option(option.name, *option.value, option.help)->capture_default_str();
+}
+
+}  // namespace
+
+std::string version() {
+  return NOCTULE_VERSION;
+}
+
+CommandLine parse_command_line(int argc, char** argv, const Program& program) {
+  CommandLine line;
+  line.bus = program.default_bus;
+  std::string level = "info";
+  bool print_keys = false;
+  CLI::App app(program.description, program.name);
+  app.set_version_flag("--version", program.name + " " + version());
+  add_shared_options(app, line, program.file_help);
+  app.add_option("--log-level", level, "error, warning or info")->capture_default_str();
+  app.add_flag("--keys", print_keys, "print all keys of a pipeline file as a Markdown table and end");
+  for (const Option& o : program.options) app.add_option(o.name, *o.value, o.help)->capture_default_str();
   try {
     app.parse(argc, argv);
+    if (print_keys) {
+      std::cout << modules::pipeline_reference();
+      std::exit(0);
+    }
     if (line.file.empty()) throw CLI::RequiredError("FILE");
     line.log_level = parse_log_level(level);
   } catch (const CLI::ParseError& error) {

@@ -61,6 +61,7 @@ void print_summary(std::ostream& out, const report::RunData& data, const std::st
   std::snprintf(text.data(), text.size(), "%.0f s of data, %s times real time\n", data.duration,
                 print(find(data.timing, "realtime_factor")).c_str());
   out << text.data();
+  for (const std::string& note : data.notes) out << "note: " << note << "\n";
   for (const std::string& warning : data.warnings) out << "warning: " << warning << "\n";
   out << folder << "/report.html\n";
 }

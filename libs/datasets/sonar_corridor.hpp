@@ -21,7 +21,7 @@ struct AddedNoise {
   double distance = 0.05;         ///< sd of the length [m/m, or m/sqrt(m) for NoiseGrowth::path]
   double heading = radians(3.0);  ///< sd of the heading [rad/m, or rad/sqrt(m) for NoiseGrowth::path]
   NoiseGrowth growth = NoiseGrowth::increment;
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;  ///< not listed below: the run has one seed, which its caller gives
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -32,7 +32,6 @@ struct AddedNoise {
             "heading error per metre (growth: increment) or per sqrt(m)", at_least(0.0));
     v.choice("growth", &AddedNoise::growth, {{"increment", NoiseGrowth::increment}, {"path", NoiseGrowth::path}},
              "whether the errors follow each increment's length or are a random walk along the path");
-    v.field("seed", &AddedNoise::seed, unit::one, "seed of the added noise");
   }
 };
 

@@ -25,8 +25,9 @@ std::unique_ptr<Module> make_mapper(bus::Bus& bus, const PipelineParameters& par
 
 Pipeline::Pipeline(bus::Bus& bus, const PipelineParameters& parameters, Threads threads)
     : bus_(bus), parameters_(parameters) {
-  auto [source, world] = make_source(bus, parameters.source, parameters.seed);
+  auto [source, world, notes] = make_source(bus, parameters.source, parameters.seed);
   source_ = std::move(source);
+  notes_ = std::move(notes);
   if (parameters.ultrasonic) modules_.push_back(std::make_unique<UltrasonicModule>(bus, *parameters.ultrasonic));
   if (parameters.slam) modules_.push_back(make_slam(bus, parameters, world, threads));
   if (parameters.mapping) {
@@ -42,12 +43,13 @@ bool Pipeline::step() {
   const bool more = source_->step();
   bus_.drain();
   wall_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!more) recorder_->finish();
   return more;
 }
 
 void Pipeline::stop() {
   source_->finish();
-  bus_.drain();
+  while (step()) continue;
 }
 
 double Pipeline::data_seconds() const {
@@ -58,6 +60,7 @@ report::RunData Pipeline::data() const {
   report::RunData data = recorder_->data();
   data.title = parameters_.name;
   data.seed = parameters_.seed;
+  data.notes.insert(data.notes.end(), notes_.begin(), notes_.end());
   add_timing(data);
   return data;
 }

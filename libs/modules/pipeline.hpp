@@ -44,6 +44,7 @@ class Pipeline {
   std::unique_ptr<SourceModule> source_;
   std::vector<std::unique_ptr<Module>> modules_;
   std::unique_ptr<RecorderModule> recorder_;
+  std::vector<std::string> notes_;  ///< of the source
   double wall_seconds_ = 0.0;
 };
 

@@ -79,6 +79,9 @@ void SlamModule::publish_estimate() {
 }
 
 void SlamModule::publish_map() {
+  if (filter_.collapses() > 0) {
+    warn("the likelihood of all particles vanished " + std::to_string(filter_.collapses()) + " times");
+  }
   publish(bus::channel::kSlamMap, filter_.map());
   publish(bus::channel::kSlamPath, filter_.path());
 }

@@ -31,6 +31,11 @@ SourcePointer open(const datasets::UltrasonicRoomsParameters& p, std::uint64_t) 
   return std::make_unique<datasets::UltrasonicRooms>(p);
 }
 
+std::vector<std::string> notes_of(const ObservationSource& source) {
+  const auto* recorded = dynamic_cast<const datasets::RecordedSource*>(&source);
+  return recorded != nullptr ? recorded->notes() : std::vector<std::string>{};
+}
+
 KnownWorld world_of(const LogParameters& p) {
   KnownWorld world;
   if (!p.world) return world;
@@ -46,11 +51,12 @@ SourceAndWorld make_source(bus::Bus& bus, const SourceParameters& parameters, st
   return std::visit(
       [&]<class P>(const P& p) -> SourceAndWorld {
         if constexpr (std::is_same_v<P, LogParameters>) {
-          return {std::make_unique<LogModule>(bus, p.path), world_of(p)};
+          return {std::make_unique<LogModule>(bus, p.path), world_of(p), {}};
         } else {
           SourcePointer source = open(p, seed);
           KnownWorld world = source->world();
-          return {std::make_unique<ObservationModule>(bus, std::move(source)), std::move(world)};
+          std::vector<std::string> notes = notes_of(*source);
+          return {std::make_unique<ObservationModule>(bus, std::move(source)), std::move(world), std::move(notes)};
         }
       },
       parameters);

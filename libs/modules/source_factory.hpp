@@ -1,5 +1,7 @@
 #pragma once
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "core/source.hpp"
 #include "modules/pipeline_parameters.hpp"
@@ -11,6 +13,7 @@ namespace noctule::modules {
 struct SourceAndWorld {
   std::unique_ptr<SourceModule> module;
   KnownWorld world;
+  std::vector<std::string> notes;  ///< what the reader left out or repaired
 };
 
 /// \throws InputError when the recording cannot be opened or read

@@ -8,6 +8,7 @@
 #include "noctule/contour_map.hpp"
 #include "noctule/module_status.hpp"
 #include "noctule/path_estimate.hpp"
+#include "noctule/ultrasonic_scan.hpp"
 #include "system/pipeline_setup.hpp"
 
 namespace noctule::system_test {
@@ -112,6 +113,14 @@ TEST_F(PipelineProcesses, AReplayedLogGivesTheMapperItsMapAgain) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   while (bus_->handle_for(std::chrono::milliseconds(500)) > 0) continue;  // the log holds the mapper's last words too
   expect_equal(map_, messages_in<contour_map>(log_, "CONTOUR_MAP").back());
+}
+
+TEST_F(PipelineProcesses, ThePlayerPlaysEveryObservationOfALog) {
+  std::int64_t heard = 0;
+  bus_->subscribe<ultrasonic_scan>("ULTRASONIC_SCAN", [&](const ultrasonic_scan&) { ++heard; });
+  const Process player(command("noctule-player", {log_.string(), "--bus", url(), "--speed", "200"}));
+  handle_until_finished("source");
+  EXPECT_EQ(heard, static_cast<std::int64_t>(messages_in<ultrasonic_scan>(log_, "ULTRASONIC_SCAN").size()));
 }
 
 TEST_F(PipelineProcesses, AModuleStopsAtCtrlCWithItsLastWords) {

@@ -107,6 +107,29 @@ TEST_F(PipelineRun, AKilledRunLeavesAReadableLogAndNoOldFigures) {
   EXPECT_FALSE(fs::exists(out / "report.html"));
 }
 
+TEST_F(PipelineRun, EveryPipelineFileIsSoundAndItsEffectiveFormIsToo) {
+  for (const auto& entry : fs::directory_iterator(kSource + "/config/pipelines")) {
+    const Outcome first = run(command("noctule-pipeline", {entry.path().string(), "--print-config"}));
+    EXPECT_EQ(first.exit_code, 0) << entry.path() << ": " << first.output;
+    const fs::path effective = folder_ / "effective.yaml";
+    std::ofstream(effective) << first.output;
+    EXPECT_EQ(run(command("noctule-pipeline", {effective.string(), "--print-config"})).output, first.output);
+  }
+}
+
+TEST_F(PipelineRun, TheTableOfKeysNamesThem) {
+  const Outcome outcome = run(command("noctule-pipeline", {"--keys"}));
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.output.find("| `slam.filter.particles` |  | `100` |"), std::string::npos);
+  EXPECT_NE(outcome.output.find("| `source<simulator>.world.path.stop_spacing_cm` | cm |"), std::string::npos);
+}
+
+TEST_F(PipelineRun, TheRobotIsDrawn) {
+  const Outcome outcome = run(command("noctule-sim", {kHeptagon, "--show-robot", "-"}));
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.output.find("<svg"), std::string::npos);
+}
+
 TEST_F(PipelineRun, HelpIsQuick) {
   double least = 1.0;
   for (int i = 0; i < 5; ++i) {
