@@ -16,6 +16,12 @@ ContourMap map_contours(std::span<const PosedScan> scans, const MapperParameters
   std::vector<SonarArc> arcs;
   for (const PosedScan& posed : scans) reader.read(posed.scan, posed.base_in_map, arcs);
 
+  if (parameters.single_stop.enabled) {
+    ContourMap map;
+    map.walls = single_stop_walls(arcs, parameters.single_stop);
+    if (!scans.empty()) map.stamp = scans.back().scan.stamp;
+    return map;
+  }
   Competition competition(parameters, Extent::of(arcs));
   for (std::size_t i = 0; i < arcs.size(); ++i) competition.put(static_cast<int>(i), arcs[i]);
   competition.grow();

@@ -2,6 +2,7 @@
 #include "core/parameters.hpp"
 #include "mapping/echo_model.hpp"
 #include "mapping/hough_votes.hpp"
+#include "mapping/single_stop.hpp"
 #include "models/ultrasonic.hpp"
 
 namespace noctule::mapping {
@@ -50,6 +51,7 @@ struct MapperParameters {
   HoughParameters hough;
   RobustParameters robust;
   SupportParameters support;
+  SingleStopParameters single_stop;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -66,6 +68,7 @@ struct MapperParameters {
     v.group("hough", &MapperParameters::hough, "resolution of the accumulators");
     v.group("robust", &MapperParameters::robust, "outliers");
     v.group("support", &MapperParameters::support, "evidence an object needs");
+    v.group("single_stop", &MapperParameters::single_stop, "walls from one place alone; final map only");
   }
 };
 
