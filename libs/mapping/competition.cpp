@@ -169,7 +169,8 @@ int Competition::contradictions(const Object& object) const {
 bool Competition::supported(const Object& object) const {
   const SupportParameters& need = parameters_.support;
   const Evidence& has = object.evidence;
-  return has.readings >= need.min_readings && has.stops >= need.min_stops && has.span >= need.min_span &&
+  const int min_readings = object.fit.reflector.is_wall() ? need.min_readings : need.min_round_readings;
+  return has.readings >= min_readings && has.stops >= need.min_stops && has.span >= need.min_span &&
          object.gain >= need.min_gain && contradictions(object) <= need.max_contradiction * has.readings;
 }
 

@@ -144,7 +144,7 @@ std::vector<WallEstimate> hough_lines(std::span<const PointWithCovariance> point
           inliers = inliers_of(points, is_free, i == 0 ? kPeakWindow : 0.0, [&](const PointWithCovariance& p) {
             return std::pair{w.rho - n.dot(p.position), n.dot(p.covariance * n)};
           });
-          if (static_cast<int>(inliers.size()) < parameters.support.min_readings) return {};
+          if (static_cast<int>(inliers.size()) < parameters.support.min_round_readings) return {};
           if (i == kRefinements) break;
           const auto fit = fit_line(picked(points, inliers));
           if (!fit) return {};
@@ -177,7 +177,7 @@ std::vector<CylinderEstimate> hough_circles(std::span<const PointWithCovariance>
             const Vector2 d = p.position - c.centre;
             return std::pair{d.norm() - c.radius, d.dot(p.covariance * d) / std::max(d.squaredNorm(), 1e-12)};
           });
-          if (static_cast<int>(inliers.size()) < parameters.support.min_readings) return {};
+          if (static_cast<int>(inliers.size()) < parameters.support.min_round_readings) return {};
           if (i == kRefinements) break;
           const auto fit = fit_circle(picked(points, inliers));
           if (!fit) return {};

@@ -8,7 +8,8 @@ namespace noctule::mapping {
 
 /// What must speak for an object before it is believed.
 struct SupportParameters {
-  int min_readings = 14;
+  int min_readings = 14;        ///< echoes of a wall
+  int min_round_readings = 20;  ///< echoes of a cylinder or a point
   int min_stops = 6;
   double min_span = 0.30;          ///< of the wall seen, or between sensor positions for a cylinder or a point [m]
   double min_gain = 60.0;          ///< log likelihood ratio against all other explanations
@@ -20,7 +21,9 @@ struct SupportParameters {
 
   template <class Visitor>
   static void describe(Visitor& v) {
-    v.field("min_readings", &SupportParameters::min_readings, unit::one, "echoes an object must explain", at_least(3));
+    v.field("min_readings", &SupportParameters::min_readings, unit::one, "echoes a wall must explain", at_least(3));
+    v.field("min_round_readings", &SupportParameters::min_round_readings, unit::one,
+            "echoes a cylinder or a point must explain", at_least(3));
     v.field("min_stops", &SupportParameters::min_stops, unit::one, "sensor positions it must be heard from",
             at_least(2));
     v.field("min_span_cm", &SupportParameters::min_span, unit::centimetre,
