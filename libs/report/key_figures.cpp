@@ -111,7 +111,7 @@ std::string consistency_tile(const RunData& data) {
   if (!nees || !median || !inside) return {};
   // A single collapse of the particles makes the mean of any size: the median is what the eye should meet first.
   return tile("Consistency, median NEES", with_unit(*median, "1"),
-              remark("2.4 expected; mean " + printed(*nees) + ", 3 expected; " + fixed(100.0 * *inside, 0) +
+              remark("2.4 expected; mean " + printed(*nees) + " (3 expected); " + fixed(100.0 * *inside, 0) +
                      " % of the steps within 95 % bounds"));
 }
 
