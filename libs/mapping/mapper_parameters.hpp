@@ -8,7 +8,7 @@ namespace noctule::mapping {
 
 /// What must speak for an object before it is believed.
 struct SupportParameters {
-  int min_readings = 20;
+  int min_readings = 14;
   int min_stops = 6;
   double min_span = 0.30;          ///< of the wall seen, or between sensor positions for a cylinder or a point [m]
   double min_gain = 60.0;          ///< log likelihood ratio against all other explanations
