@@ -16,8 +16,11 @@ struct SupportParameters {
   double max_contradiction = 0.5;  ///< echoes heard from behind it, per echo it explains
   double min_radius = 0.04;        ///< smaller cylinders are points [m]
   double radius_evidence = 20.0;   ///< log likelihood ratio that a cylinder needs against a point and a wall
-  double merge_distance = 0.20;    ///< walls one before the other, closer than this, are one [m]
-  double merge_angle = radians(10.0);
+  double merge_distance = 0.30;    ///< walls one before the other, closer than this, are one [m]
+  double merge_angle = radians(15.0);
+
+  /// Least number of echoes of an object.
+  [[nodiscard]] int enough(bool is_wall) const { return is_wall ? min_readings : min_round_readings; }
 
   template <class Visitor>
   static void describe(Visitor& v) {
