@@ -20,6 +20,7 @@ namespace {
 using namespace noctule;
 namespace fs = std::filesystem;
 
+constexpr const char* kLogName = "run.lcmlog";
 constexpr int kExitInterrupted = 130;  // as shells say it of Ctrl-C
 
 /// A line on the terminal that says how far the run is, four times a second. Nothing when it goes elsewhere.
@@ -49,8 +50,10 @@ class ResultsFolder {
  public:
   explicit ResultsFolder(fs::path dir) : dir_(std::move(dir)), existed_(fs::exists(dir_)) {
     report::prepare_results(dir_);
-    for (const char* stale : {"metrics.json", "metrics.csv", "timing.json", "trajectory.tum", "report.html"}) {
-      fs::remove(dir_ / stale);
+    for (const char* name :
+         {"metrics.json", "metrics.csv", "timing.json", "config.yaml", "trajectory.tum", "path.tum", "ground_truth.tum",
+          "dead_reckoning.tum", "map.svg", "map.pgm", "map.yaml", "report.html", "run.rawlog"}) {
+      fs::remove(dir_ / name);  // of an earlier run
     }
   }
   ~ResultsFolder() {
@@ -61,7 +64,7 @@ class ResultsFolder {
     if (!existed_) fs::remove(dir_, ignored);  // only when empty
   }
 
-  [[nodiscard]] fs::path log() const { return dir_ / "run.lcmlog"; }
+  [[nodiscard]] fs::path log() const { return dir_ / kLogName; }
   [[nodiscard]] fs::path rawlog() const { return dir_ / "run.rawlog"; }
   void write(const report::RunData& data) {
     kept_ = true;
@@ -74,6 +77,15 @@ class ResultsFolder {
   bool kept_ = false;
 };
 
+/// The log that is played must not be the one that is written.
+void check_log(const modules::SourceParameters& source, const fs::path& written) {
+  const auto* log = std::get_if<modules::LogParameters>(&source);
+  std::error_code no_such_file;
+  if (log != nullptr && fs::equivalent(log->path, written, no_such_file)) {
+    throw InputError("--out: expected another folder than that of the log that is played, " + log->path.string());
+  }
+}
+
 int run(const apps::CommandLine& line, const std::string& out) {
   const modules::PipelineParameters parameters = apps::load_pipeline(line);
   const std::string config_yaml = modules::dump_pipeline(parameters);
@@ -81,6 +93,7 @@ int run(const apps::CommandLine& line, const std::string& out) {
     std::cout << config_yaml;
     return 0;
   }
+  check_log(parameters.source, fs::path(out) / kLogName);
   const auto bus = apps::open_bus(line);
   modules::Pipeline pipeline(*bus, parameters, modules::Threads{line.threads});
   ResultsFolder results(out);

@@ -1,7 +1,7 @@
 #pragma once
 /// The command line that all executables share.
 #include <functional>
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

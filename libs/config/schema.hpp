@@ -71,20 +71,32 @@ template <class T>
   return group;
 }
 
+/// What the visitor does that does not depend on the types: compiled once.
+class FieldCollector {
+ protected:
+  void add(const char* key, const char* doc, const Unit& unit, const Range& range, Target&& target);
+  void add(const char* key, const char* doc, Target&& target) { add(key, doc, unit::one, {}, std::move(target)); }
+  /// The group with the key `type`, whose value is the i-th of the names.
+  [[nodiscard]] static Group with_type(Group group, const std::vector<std::string>& names, std::size_t i,
+                                       const char* doc);
+
+  std::vector<Field> fields_;
+};
+
 /// The visitor of `T::describe` (core/parameters.hpp).
 template <class T>
-class Binder {
+class Binder : private FieldCollector {
  public:
   explicit Binder(T& object) : object_(object) {}
 
   template <class Class, class Member>
   void field(const char* key, Member Class::*member, const Unit& unit, const char* doc, const Range& range = {}) {
-    fields_.push_back({key, doc, unit, range, &(object_.*member)});
+    add(key, doc, unit, range, &(object_.*member));
   }
   /// Without a unit: texts, paths, switches.
   template <class Class, class Member>
   void field(const char* key, Member Class::*member, const char* doc) {
-    field(key, member, unit::one, doc);
+    add(key, doc, &(object_.*member));
   }
 
   template <class Class, class Enum>
@@ -100,32 +112,28 @@ class Binder {
       return static_cast<std::size_t>(std::find(values.begin(), values.end(), *target) - values.begin());
     };
     choice.set = [target, values](std::size_t i) { *target = values[i]; };
-    fields_.push_back({key, doc, unit::one, {}, std::move(choice)});
+    add(key, doc, std::move(choice));
   }
 
   template <class Class, class Member>
   void group(const char* key, Member Class::*member, const char* doc) {
-    fields_.push_back({key, doc, unit::one, {}, bind(object_.*member)});
+    add(key, doc, bind(object_.*member));
   }
   template <class Class, class Member>
   void group(const char* key, std::optional<Member> Class::*member, const char* doc) {
     std::optional<Member>* target = &(object_.*member);
-    OptionalGroup group{[target] { return target->has_value(); },
-                        [target] { return bind(target->has_value() ? **target : target->emplace()); },
-                        &prototype<Member>};
-    fields_.push_back({key, doc, unit::one, {}, std::move(group)});
+    add(key, doc,
+        OptionalGroup{[target] { return target->has_value(); },
+                      [target] { return bind(target->has_value() ? **target : target->emplace()); },
+                      &prototype<Member>});
   }
 
   template <class Class, class Member>
   void list(const char* key, std::vector<Member> Class::*member, const char* doc) {
     std::vector<Member>* target = &(object_.*member);
-    List list{[target] { return target->size(); },
-              [target](std::size_t n) {
-                target->clear();
-                target->resize(n);
-              },
-              [target](std::size_t i) { return bind((*target)[i]); }, &prototype<Member>};
-    fields_.push_back({key, doc, unit::one, {}, std::move(list)});
+    add(key, doc,
+        List{[target] { return target->size(); }, [target](std::size_t n) { target->assign(n, Member{}); },
+             [target](std::size_t i) { return bind((*target)[i]); }, &prototype<Member>});
   }
 
   /// \param names of the alternatives, in their order
@@ -146,7 +154,7 @@ class Binder {
           i, [&]<class Alternative>(std::type_identity<Alternative>) { group = config::prototype<Alternative>(); });
       return with_type(std::move(group), names, i, doc);
     };
-    fields_.push_back({key, doc, unit::one, {}, std::move(one)});
+    add(key, doc, std::move(one));
   }
 
   [[nodiscard]] Group finish() && {
@@ -161,14 +169,8 @@ class Binder {
     std::size_t n = 0;
     ((n++ == i ? function(std::type_identity<Alternatives>{}) : void()), ...);
   }
-  static Group with_type(Group group, const std::vector<std::string>& names, std::size_t i, const char* doc) {
-    Choice type{names, [i] { return i; }, [](std::size_t) {}};
-    group.fields.insert(group.fields.begin(), {"type", doc, unit::one, {}, std::move(type)});
-    return group;
-  }
 
   T& object_;
-  std::vector<Field> fields_;
 };
 
 template <class T>

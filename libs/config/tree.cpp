@@ -221,11 +221,6 @@ const Tree* Tree::find(std::string_view key) const {
   const auto entry = std::ranges::find(entries, key, &Entry::key);
   return entry == entries.end() ? nullptr : &entry->value;
 }
-Tree* Tree::find(std::string_view key) {
-  const auto entry = std::ranges::find(entries, key, &Entry::key);
-  return entry == entries.end() ? nullptr : &entry->value;
-}
-
 std::string describe(const Tree& tree) {
   constexpr std::size_t kShown = 60;
   switch (tree.kind) {

@@ -26,7 +26,6 @@ struct Tree {
 
   /// First entry of a map with this key, or null.
   [[nodiscard]] const Tree* find(std::string_view key) const;
-  [[nodiscard]] Tree* find(std::string_view key);
 };
 struct Entry {
   std::string key;

@@ -11,7 +11,7 @@ enum class ContourType : std::int8_t {
   wall = 0,      ///< a plane: range = rho - n(theta).p
   arc = 1,       ///< a convex cylinder: range = |p - c| - R
   point = 2,     ///< a corner or an edge: range = |p - c| (a cylinder with R = 0)
-  ambiguous = 3  ///< wall and circle both fit: decide later
+  ambiguous = 3  ///< decide later: wall and circle both fit (has_wall and has_circle), or a circle of open radius does
 };
 
 /// A line rho = x cos(theta) + y sin(theta) whose normal (cos theta, sin theta) points from the free side towards the

@@ -12,6 +12,7 @@
 namespace noctule::datasets {
 
 FileContent read_file(const std::filesystem::path& path) {
+  if (path.empty()) throw InputError("path: expected the path of a file, got an empty one");
   const auto refuse = [&](const std::string& got) {
     return InputError(path.string() + ": expected a readable file, plain or gzip, got: " + got);
   };

@@ -25,6 +25,9 @@ std::optional<Path> find(const Path& folder, const std::string& name) {
 
 Path require(const Path& folder, const std::string& name) {
   if (auto path = find(folder, name)) return *path;
+  if (!std::filesystem::is_directory(folder)) {
+    throw InputError("path: expected the folder of an MR.CLAM data set, got '" + folder.string() + "'");
+  }
   throw InputError(folder.string() + ": expected a file " + name + " or " + name + ".gz, got neither");
 }
 

@@ -33,6 +33,9 @@ struct VirtualRing {
     v.field("min_range_m", &P::min_range, unit::metre, "shorter ranges count as saturated", at_least(0.0));
     v.field("max_range_m", &P::max_range, unit::metre, "longer ranges count as no echo", positive());
   }
+  [[nodiscard]] std::string validate() const {
+    return min_range < max_range ? "" : "expected min_range_m below max_range_m";
+  }
 };
 
 enum class OdometryCovariance : std::int8_t { recorded = 0, model = 1 };

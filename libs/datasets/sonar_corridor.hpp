@@ -3,6 +3,7 @@
 /// (github.com/udacity/RoboND-OccupancyGridMappingAlgorithm).
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "core/parameters.hpp"
 #include "datasets/recorded_source.hpp"
@@ -53,6 +54,9 @@ struct SonarCorridorParameters {
     v.field("min_range_m", &P::min_range, unit::metre, "shorter ranges count as saturated", at_least(0.0));
     v.field("max_range_m", &P::max_range, unit::metre, "longer ranges count as no echo", positive());
     v.group("noise", &P::noise, "noise added to the increments of the given poses");
+  }
+  [[nodiscard]] std::string validate() const {
+    return min_range < max_range ? "" : "expected min_range_m below max_range_m";
   }
 };
 

@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "core/assignment.hpp"
 #include "core/gaussian.hpp"
+#include "eval/statistics.hpp"
 
 namespace noctule::eval {
 namespace {
@@ -149,18 +151,20 @@ double nees(const Pose2& estimate, const Matrix3& covariance, const Pose2& truth
 }
 
 NeesSummary nees_summary(std::span<const double> values, int dimension, double probability) {
+  std::vector<double> finite;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(finite), [](double v) { return std::isfinite(v); });
   NeesSummary s;
+  s.samples = static_cast<int>(finite.size());
   s.step_bounds = nees_bounds(dimension, 1, probability);
-  double sum = 0.0;
-  int inside = 0;
-  for (const double v : values) {
-    if (!std::isfinite(v)) continue;
-    ++s.samples;
-    sum += v;
-    inside += v >= s.step_bounds.low && v <= s.step_bounds.high ? 1 : 0;
+  if (finite.empty()) {
+    s.mean = s.median = s.inside = kNan;
+    return s;
   }
-  s.mean = s.samples > 0 ? sum / s.samples : kNan;
-  s.inside = s.samples > 0 ? static_cast<double>(inside) / s.samples : kNan;
+  const auto inside = std::count_if(finite.begin(), finite.end(),
+                                    [&](double v) { return v >= s.step_bounds.low && v <= s.step_bounds.high; });
+  s.mean = mean(finite);
+  s.median = quantile(finite, 0.5);
+  s.inside = static_cast<double>(inside) / static_cast<double>(finite.size());
   return s;
 }
 

@@ -90,11 +90,14 @@ struct RelativePoseErrors {
 /// starts from a certain pose has none yet.
 [[nodiscard]] double nees(const Pose2& estimate, const Matrix3& covariance, const Pose2& truth);
 
-/// A NEES series and the bounds that it should keep. Times of one run are dependent: the fraction is a description,
-/// the test of consistency is the average over independent runs (noctule::nees_bounds).
+/// A NEES series and the bounds that it should keep. Where a filter has just begun from a certain pose, its covariance
+/// is hardly a covariance and single values may be huge: the median says what the mean then does not. Times of one run
+/// are dependent: the fraction is a description, the test of consistency is the average over independent runs
+/// (noctule::nees_bounds).
 struct NeesSummary {
   int samples = 0;                 ///< values that are finite
   double mean = 0.0;               ///< NaN: none
+  double median = 0.0;             ///< NaN: none
   Interval step_bounds{0.0, 0.0};  ///< two-sided chi-square interval of a single value
   double inside = 0.0;             ///< fraction of the values within step_bounds; NaN: none
 };

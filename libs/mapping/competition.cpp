@@ -8,8 +8,9 @@
 namespace noctule::mapping {
 namespace {
 
-constexpr int kSettleRounds = 12;  // at most
-constexpr double kGrowth = 1.5;    // of the extent, beyond what is needed
+constexpr int kSettleRounds = 12;        // at most
+constexpr double kSharedStretch = 0.25;  // of the readings of two walls that must lie before both
+constexpr double kGrowth = 1.5;          // of the extent, beyond what is needed
 
 Extent limited(Extent extent, double most) {
   extent.radius = std::min(extent.radius, most);
@@ -169,8 +170,17 @@ int Competition::contradictions(const Object& object) const {
 bool Competition::supported(const Object& object) const {
   const SupportParameters& need = parameters_.support;
   const Evidence& has = object.evidence;
-  return has.readings >= need.min_readings && has.stops >= need.min_stops && has.span >= need.min_span &&
-         object.gain >= need.min_gain && contradictions(object) <= need.max_contradiction * has.readings;
+  return has.readings >= need.enough(object.fit.reflector.is_wall()) && has.stops >= need.min_stops &&
+         has.span >= need.min_span && object.gain >= need.min_gain &&
+         contradictions(object) <= need.max_contradiction * has.readings;
+}
+
+int Competition::readings_before(const Object& wall, const Object& other) const {
+  const Vector2 tangent = wall.fit.reflector.tangent();
+  return static_cast<int>(std::count_if(other.members.begin(), other.members.end(), [&](int i) {
+    const double at = tangent.dot(arcs_[static_cast<std::size_t>(i)].sensor);
+    return at > wall.evidence.begin && at < wall.evidence.end;
+  }));
 }
 
 bool Competition::claim_same_place(const Object& a, const Object& b) const {
@@ -183,10 +193,13 @@ bool Competition::claim_same_place(const Object& a, const Object& b) const {
   }
   const Wall wa = ra.wall(), wb = rb.wall();
   if (std::abs(wrap(wa.theta - wb.theta)) > parameters_.support.merge_angle) return false;
+  // A cupboard and the wall on both sides of it are heard at different places; one wall with two poses is not.
+  const double enough = kSharedStretch * std::min(a.evidence.readings, b.evidence.readings);
+  if (readings_before(a, b) < enough || readings_before(b, a) < enough) return false;
   const auto along = [&](double s) { return wa.tangent().dot(foot(wb) + s * wb.tangent()); };
   const double low = std::max(a.evidence.begin, along(b.evidence.begin));
   const double high = std::min(a.evidence.end, along(b.evidence.end));
-  return low <= high && std::abs(wb.distance(foot(wa) + 0.5 * (low + high) * wa.tangent())) < limit;
+  return std::abs(wb.distance(foot(wa) + 0.5 * (low + high) * wa.tangent())) < limit;
 }
 
 bool Competition::merge_two() {

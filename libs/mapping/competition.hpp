@@ -77,6 +77,8 @@ class Competition {
   void measure(Object& object) const;
   [[nodiscard]] bool supported(const Object& object) const;
   [[nodiscard]] int contradictions(const Object& object) const;
+  [[nodiscard]] int readings_before(const Object& wall,
+                                    const Object& other) const;  ///< of `other`, within the wall's ends
   [[nodiscard]] bool claim_same_place(const Object& a, const Object& b) const;
   bool merge_two();
   bool drop_weakest();

@@ -9,19 +9,25 @@ namespace noctule::mapping {
 
 /// What must speak for an object before it is believed.
 struct SupportParameters {
-  int min_readings = 20;
+  int min_readings = 14;        ///< echoes of a wall
+  int min_round_readings = 20;  ///< echoes of a cylinder or a point
   int min_stops = 6;
   double min_span = 0.30;          ///< of the wall seen, or between sensor positions for a cylinder or a point [m]
   double min_gain = 60.0;          ///< log likelihood ratio against all other explanations
   double max_contradiction = 0.5;  ///< echoes heard from behind it, per echo it explains
   double min_radius = 0.04;        ///< smaller cylinders are points [m]
   double radius_evidence = 20.0;   ///< log likelihood ratio that a cylinder needs against a point and a wall
-  double merge_distance = 0.20;    ///< walls one before the other, closer than this, are one [m]
-  double merge_angle = radians(10.0);
+  double merge_distance = 0.30;    ///< walls one before the other, closer than this, are one [m]
+  double merge_angle = radians(15.0);
+
+  /// Least number of echoes of an object.
+  [[nodiscard]] int enough(bool is_wall) const { return is_wall ? min_readings : min_round_readings; }
 
   template <class Visitor>
   static void describe(Visitor& v) {
-    v.field("min_readings", &SupportParameters::min_readings, unit::one, "echoes an object must explain", at_least(3));
+    v.field("min_readings", &SupportParameters::min_readings, unit::one, "echoes a wall must explain", at_least(3));
+    v.field("min_round_readings", &SupportParameters::min_round_readings, unit::one,
+            "echoes a cylinder or a point must explain", at_least(3));
     v.field("min_stops", &SupportParameters::min_stops, unit::one, "sensor positions it must be heard from",
             at_least(2));
     v.field("min_span_cm", &SupportParameters::min_span, unit::centimetre,

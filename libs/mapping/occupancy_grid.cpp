@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "core/error.hpp"
@@ -74,7 +75,9 @@ void OccupancyGrid::add(const UltrasonicScan& scan, const Pose2& base_in_map) {
 }
 
 void OccupancyGrid::add_echo(const Pose2& sensor, double range, double half_angle) {
-  const double depth = std::max(0.5 * parameters_.resolution, 2.0 * parameters_.range_noise.sd(range));
+  // Deep enough for every cell that the arc crosses.
+  const double depth =
+      std::max(std::numbers::sqrt2 / 2.0 * parameters_.resolution, 2.0 * parameters_.range_noise.sd(range));
   const Vector2 axis(std::cos(sensor.yaw), std::sin(sensor.yaw)), p = sensor.position();
   const double reach = range + depth;
   // The cone lies within the box of its tip and of its end, which is at most `bow` from the end of its axis.

@@ -1,7 +1,6 @@
 #pragma once
 /// What all modules share: input that is counted and guarded, output that is numbered, a status and timings.
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <set>

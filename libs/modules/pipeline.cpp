@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "core/error.hpp"
+#include "modules/occupancy_image.hpp"
 #include "modules/source_factory.hpp"
 #include "modules/ultrasonic_module.hpp"
 
@@ -61,8 +63,20 @@ report::RunData Pipeline::data() const {
   data.title = parameters_.name;
   data.seed = parameters_.seed;
   data.notes.insert(data.notes.end(), notes_.begin(), notes_.end());
+  add_occupancy(data);
   add_timing(data);
   return data;
+}
+
+void Pipeline::add_occupancy(report::RunData& data) const {
+  if (!parameters_.occupancy) return;
+  const std::vector<mapping::PosedScan> scans = recorder_->best_posed_scans();
+  if (scans.empty()) return;
+  try {
+    data.occupancy = occupancy_image(scans, *parameters_.occupancy);
+  } catch (const InputError& error) {
+    data.warnings.push_back(std::string("No occupancy map: ") + error.what());
+  }
 }
 
 void Pipeline::add_timing(report::RunData& data) const {

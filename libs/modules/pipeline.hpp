@@ -37,6 +37,7 @@ class Pipeline {
   [[nodiscard]] report::RunData data() const;
 
  private:
+  void add_occupancy(report::RunData& data) const;
   void add_timing(report::RunData& data) const;
 
   bus::Bus& bus_;

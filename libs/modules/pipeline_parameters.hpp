@@ -12,6 +12,7 @@
 #include "datasets/sonar_corridor.hpp"
 #include "datasets/sonar_scitos24.hpp"
 #include "datasets/ultrasonic_rooms.hpp"
+#include "mapping/occupancy_grid.hpp"
 #include "modules/mapper_module.hpp"
 #include "modules/slam_module.hpp"
 #include "sensors/ultrasonic/extractor.hpp"
@@ -55,6 +56,7 @@ struct PipelineParameters {
   std::optional<sensors::ExtractorParameters> ultrasonic;
   std::optional<SlamModuleParameters> slam;
   std::optional<MapperModuleParameters> mapping;
+  std::optional<mapping::OccupancyParameters> occupancy;
   bool rawlog = false;
 
   template <class Visitor>
@@ -69,6 +71,7 @@ struct PipelineParameters {
     v.group("ultrasonic", &P::ultrasonic, "contour features from ultrasonic scans; absent: scans go to SLAM alone");
     v.group("slam", &P::slam, "absent: no filter");
     v.group("mapping", &P::mapping, "absent: no maps of contours");
+    v.group("occupancy", &P::occupancy, "absent: no occupancy map");
     v.field("rawlog", &P::rawlog, "write the observations as an MRPT rawlog too");
   }
   [[nodiscard]] std::string validate() const {

@@ -99,6 +99,13 @@ void RecorderModule::see(std::int64_t utime) {
   last_utime_ = utime;
 }
 
+std::vector<mapping::PosedScan> RecorderModule::best_posed_scans() const {
+  if (data_.path.poses.empty()) return posed_scans(scans_, dead_reckoning_);
+  Trajectory path(Trajectory::Between::nothing);
+  for (const PathPose& pose : data_.path.poses) path.add(pose.utime, pose.pose);
+  return posed_scans(scans_, path);
+}
+
 report::RunData RecorderModule::data() const {
   report::RunData data = data_;
   data.duration = data_seconds();

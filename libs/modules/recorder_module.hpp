@@ -16,6 +16,8 @@ class RecorderModule : public Module {
   /// \param world for evaluation
   RecorderModule(bus::Bus& bus, KnownWorld world);
 
+  /// The scans heard so far where the filter says it was, where odometry alone says it was if there is no filter.
+  [[nodiscard]] std::vector<mapping::PosedScan> best_posed_scans() const;
   /// What was heard so far, with the figures that follow from it. Title, version, seed and configuration are left to
   /// the caller.
   [[nodiscard]] report::RunData data() const;

@@ -31,7 +31,6 @@ class ObservationModule : public SourceModule {
  public:
   ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source);
   [[nodiscard]] std::optional<std::int64_t> next_utime() override;
-  [[nodiscard]] const ObservationSource& source() const { return *source_; }
 
  private:
   void publish_next() override;

@@ -54,8 +54,23 @@ class Axes {
     return kPlot.bottom - (v - low_) / (high_ - low_) * (kPlot.bottom - kPlot.top);
   }
   [[nodiscard]] bool drawable(double value) const { return std::isfinite(value) && (!logarithmic_ || value > 0.0); }
-  [[nodiscard]] Ticks value_ticks() const {
-    return logarithmic_ ? log_ticks(std::pow(10.0, low_), std::pow(10.0, high_)) : linear_ticks(low_, high_, 6);
+  struct ValueTick {
+    double value;
+    std::string label;
+  };
+  [[nodiscard]] std::vector<ValueTick> value_ticks() const {
+    constexpr int kMost = 6;
+    std::vector<ValueTick> ticks;
+    if (logarithmic_) {
+      for (const int k : log_ticks(std::pow(10.0, low_), std::pow(10.0, high_), kMost)) {
+        const double value = std::pow(10.0, k);
+        ticks.push_back({value, std::abs(k) > 3 ? power_of_ten(k) : fixed(value, std::max(0, -k))});
+      }
+      return ticks;
+    }
+    const Ticks linear = linear_ticks(low_, high_, kMost);
+    for (const double v : linear.values) ticks.push_back({v, aligned(v, linear.decimals)});
+    return ticks;
   }
   /// None at the end of the axis: there stands the unit.
   [[nodiscard]] Ticks time_ticks() const {
@@ -131,11 +146,9 @@ std::string text_at(const char* css_class, double x, double y, const std::string
 
 std::string grid(const Axes& axes) {
   std::string lines = "<path class=\"grid\" d=\"", labels;
-  const Ticks values = axes.value_ticks();
-  for (const double v : values.values) {
-    lines += "M" + point_text(kPlot.left, axes.y(v)) + "H" + fixed(kPlot.right, 1);
-    const int decimals = v >= 1.0 && values.decimals > 0 && v == std::round(v) ? 0 : values.decimals;
-    labels += text_at("tick-y", kPlot.left - 7.0, axes.y(v) + 4.0, aligned(v, decimals));
+  for (const auto& [value, label] : axes.value_ticks()) {
+    lines += "M" + point_text(kPlot.left, axes.y(value)) + "H" + fixed(kPlot.right, 1);
+    labels += text_at("tick-y", kPlot.left - 7.0, axes.y(value) + 4.0, label);
   }
   const Ticks times = axes.time_ticks();
   for (const double t : times.values) {

@@ -44,7 +44,8 @@ std::vector<Method> methods_of(const RunData& data) {
 /// [deg] in (0, 360], as in table 3.
 double table_angle(double theta) {
   const double angle = degrees(theta);
-  return angle > 0.0 ? angle : angle + 360.0;
+  constexpr double kRounding = 1e-9;  // of an angle of 0 that was computed
+  return angle > kRounding ? angle : angle + 360.0;
 }
 
 std::string wall_cells(const Method& m, std::size_t i) {

@@ -106,10 +106,13 @@ std::string landmark_tile(const RunData& data) {
 
 std::string consistency_tile(const RunData& data) {
   const auto nees = find_metric(data.metrics, "nees_mean");
+  const auto median = find_metric(data.metrics, "nees_median");
   const auto inside = find_metric(data.metrics, "nees_inside");
-  if (!nees || !inside) return {};
-  return tile("Consistency, mean NEES", with_unit(*nees, "1"),
-              remark("3 expected; " + fixed(100.0 * *inside, 0) + " % of the steps within their 95 % bounds"));
+  if (!nees || !median || !inside) return {};
+  // A single collapse of the particles makes the mean of any size: the median is what the eye should meet first.
+  return tile("Consistency, median NEES", with_unit(*median, "1"),
+              remark("2.4 expected; mean " + printed(*nees) + " (3 expected); " + fixed(100.0 * *inside, 0) +
+                     " % of the steps within 95 % bounds"));
 }
 
 std::string speed_tile(const RunData& data) {

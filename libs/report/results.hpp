@@ -10,8 +10,9 @@ namespace noctule::report {
 /// The metrics that every run has, from what `data` holds: the contour metrics of the three maps (suffixes none,
 /// `_known_pose`, `_dead_reckoning`), `position_rmse`, `heading_rmse`, `position_max`, `heading_max`, `ate_rmse`,
 /// `rpe_translation_rmse`, `rpe_rotation_rmse` (1 m segments), each also `_dead_reckoning`; `landmark_rmse`,
-/// `landmarks_found`, `landmarks_missed`, `landmarks_invented`; `nees_mean`, `nees_inside`, `nis_mean`, `path_length`.
-/// What needs a truth that is not there is left out. Meant for `RunData::metrics`; append what else was measured.
+/// `landmarks_found`, `landmarks_missed`, `landmarks_invented`; `nees_mean`, `nees_median`, `nees_inside`, `nis_mean`,
+/// `path_length`. What needs a truth that is not there is left out. Meant for `RunData::metrics`; append what else was
+/// measured.
 [[nodiscard]] std::vector<eval::Metric> run_metrics(const RunData& data);
 
 /// Creates the folder where it is missing and makes sure that files can be written there: call it before a long run.

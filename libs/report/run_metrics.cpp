@@ -41,6 +41,7 @@ void add_consistency(const RunData& data, MetricList& metrics) {
   if (!data.truth.empty()) {
     const eval::NeesSummary summary = eval::nees_summary(nees_series(data));
     metrics.add("nees_mean", summary.mean, "1");
+    metrics.add("nees_median", summary.median, "1");
     metrics.add("nees_inside", summary.inside, "1");
   }
   double nis = 0.0, size = 0.0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
 #include "core/angles.hpp"
 
@@ -82,8 +83,23 @@ std::string aligned(double value, int decimals) {
   return text;
 }
 
+std::string power_of_ten(int exponent) {
+  // Raised 1, 2 and 3 are older than the others and stand elsewhere in Unicode.
+  static constexpr std::array<const char*, 10> kRaised{"\xE2\x81\xB0", "\xC2\xB9",     "\xC2\xB2",     "\xC2\xB3",
+                                                       "\xE2\x81\xB4", "\xE2\x81\xB5", "\xE2\x81\xB6", "\xE2\x81\xB7",
+                                                       "\xE2\x81\xB8", "\xE2\x81\xB9"};
+  std::string text = exponent < 0 ? "10\xE2\x81\xBB" : "10";
+  for (const char digit : std::to_string(std::abs(exponent))) text += kRaised[static_cast<std::size_t>(digit - '0')];
+  return text;
+}
+
 std::string printed(double value) {
   if (!std::isfinite(value)) return kDash;
+  constexpr double kLarge = 1e6;
+  if (std::abs(value) >= kLarge) {
+    const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value))));
+    return aligned(value / std::pow(10.0, exponent), 1) + "\xC3\x97" + power_of_ten(exponent);
+  }
   return aligned(value, decimals_for(std::abs(value)));
 }
 

@@ -14,7 +14,11 @@ namespace noctule::report {
 /// `decimals` digits with a true minus sign, for columns and axes.
 [[nodiscard]] std::string aligned(double value, int decimals = 2);
 
-/// About three significant digits with a true minus sign; an em dash when not finite.
+/// "10" with the exponent raised.
+[[nodiscard]] std::string power_of_ten(int exponent);
+
+/// About three significant digits with a true minus sign, as a power of ten from a million on; an em dash when not
+/// finite.
 [[nodiscard]] std::string printed(double value);
 /// The same, "+" in front of positive numbers.
 [[nodiscard]] std::string printed_signed(double value);

@@ -23,12 +23,13 @@ Ticks linear_ticks(double low, double high, int count) {
   return ticks;
 }
 
-Ticks log_ticks(double low, double high) {
-  Ticks ticks;
-  const double first = std::ceil(std::log10(low) - 1e-9);
-  ticks.decimals = std::max(0, static_cast<int>(-first));
-  for (double k = first; k <= std::log10(high) + 1e-9; k += 1.0) ticks.values.push_back(std::pow(10.0, k));
-  return ticks;
+std::vector<int> log_ticks(double low, double high, int count) {
+  const int first = static_cast<int>(std::ceil(std::log10(low) - 1e-9));
+  const int last = static_cast<int>(std::floor(std::log10(high) + 1e-9));
+  const int step = std::max(1, static_cast<int>(std::ceil(static_cast<double>(last - first + 1) / count)));
+  std::vector<int> exponents;
+  for (int k = first; k <= last; k += step) exponents.push_back(k);
+  return exponents;
 }
 
 }  // namespace noctule::report

@@ -13,7 +13,7 @@ struct Ticks {
 };
 [[nodiscard]] Ticks linear_ticks(double low, double high, int count);
 
-/// Powers of ten within [low, high], both positive.
-[[nodiscard]] Ticks log_ticks(double low, double high);
+/// Exponents of powers of ten within [low, high], both positive; about `count` of them.
+[[nodiscard]] std::vector<int> log_ticks(double low, double high, int count);
 
 }  // namespace noctule::report

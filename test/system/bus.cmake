@@ -13,7 +13,7 @@ add_test(NAME system.bus_no_route COMMAND ${CMAKE_CURRENT_LIST_DIR}/bus_no_route
 add_test(NAME system.bus_unlisted_type COMMAND ${CMAKE_CURRENT_LIST_DIR}/bus_unlisted_type.sh ${PROJECT_SOURCE_DIR}
                                                ${CMAKE_COMMAND})
 set_tests_properties(system.bus_spy system.bus_no_route system.bus_unlisted_type
-                     PROPERTIES LABELS system SKIP_RETURN_CODE 77 TIMEOUT 120)
+                     PROPERTIES LABELS system SKIP_RETURN_CODE 77 TIMEOUT 300)
 
 find_program(NOCTULE_PYTHON python3)
 mark_as_advanced(NOCTULE_PYTHON)

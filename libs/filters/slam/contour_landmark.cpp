@@ -49,6 +49,11 @@ double update(Hypothesis& h, const PlacedEcho& e) {
   return nis;
 }
 
+template <class Hypothesis>
+bool expects(const Hypothesis& h, const PlacedEcho& e, double separation) {
+  return h.in_view(e) && std::abs(e.range - h.predict(e).range) < separation;
+}
+
 WallHypothesis start_wall(const ContourFeature& f, const Vector2& surface, const Pose2& base,
                           const ContourLandmarkParameters& p) {
   WallHypothesis h;
@@ -107,22 +112,29 @@ double ContourLandmark::log_likelihood(const PlacedEcho& echo) const {
 
 double ContourLandmark::assimilate(const PlacedEcho& echo, double log_clutter, int stop,
                                    const ContourLandmarkParameters& parameters) {
-  const double wall = may_be_wall() ? log_density(wall_, echo) : kMinusInfinity;
-  const double circle = may_be_circle() ? log_density(circle_, echo) : kMinusInfinity;
-  double wall_nis = 0.0, circle_nis = 0.0;
-  if (wall > log_clutter) wall_nis = update(wall_, echo);
-  if (circle > log_clutter) circle_nis = update(circle_, echo);
-
   ++observations_;
   if (seen_at_ != stop) ++stops_seen_;
   seen_at_ = stop;
-  if (kind_ == LandmarkKind::undecided) {
-    log_ratio_ += std::max(wall, log_clutter) - std::max(circle, log_clutter);
-    if (stops_seen_ >= parameters.decide_stops && std::abs(log_ratio_) >= parameters.decide_log_ratio) {
-      kind_ = log_ratio_ > 0.0 ? LandmarkKind::wall : LandmarkKind::cylinder;
-    }
+  if (kind_ == LandmarkKind::wall) return update(wall_, echo);
+  if (kind_ != LandmarkKind::undecided) return update(circle_, echo);
+
+  const double wall = log_density(wall_, echo), circle = log_density(circle_, echo);
+  double nis = 0.0;
+  if (wall > log_clutter) nis = update(wall_, echo);
+  if (circle > log_clutter) {
+    const double circle_nis = update(circle_, echo);
+    if (circle >= wall) nis = circle_nis;
   }
-  return wall > circle ? wall_nis : circle_nis;
+  log_ratio_ += std::max(wall, log_clutter) - std::max(circle, log_clutter);
+  if (stops_seen_ >= parameters.decide_stops && std::abs(log_ratio_) >= parameters.decide_log_ratio) {
+    kind_ = log_ratio_ > 0.0 ? LandmarkKind::wall : LandmarkKind::cylinder;
+  }
+  return nis;
+}
+
+bool ContourLandmark::expects_near(const PlacedEcho& echo, double separation) const {
+  return (kind_ != LandmarkKind::wall && expects(circle_, echo, separation)) ||
+         ((kind_ == LandmarkKind::wall || kind_ == LandmarkKind::undecided) && expects(wall_, echo, separation));
 }
 
 bool ContourLandmark::failed(int stop, const ContourLandmarkParameters& parameters) const {

@@ -74,9 +74,13 @@ class ContourLandmark {
   /// -inf when it is out of view. While the type is open, the mixture of both.
   [[nodiscard]] double log_likelihood(const PlacedEcho& echo) const;
 
-  /// Takes the echo in (both hypotheses, each unless clutter explains it better) and decides the type when it can.
+  /// Takes in an echo that this landmark explains better than clutter does. While the type is open, each hypothesis
+  /// takes it unless clutter explains it better than that hypothesis, and the type is decided when it can be.
   /// \return the squared normalised innovation of the better hypothesis, 2 degrees of freedom
   double assimilate(const PlacedEcho& echo, double log_clutter, int stop, const ContourLandmarkParameters& parameters);
+
+  /// Whether an echo of this landmark is expected within `separation` [m] of the given one, in view.
+  [[nodiscard]] bool expects_near(const PlacedEcho& echo, double separation) const;
 
   /// Old enough to be judged, and seen too rarely.
   [[nodiscard]] bool failed(int stop, const ContourLandmarkParameters& parameters) const;
@@ -88,9 +92,6 @@ class ContourLandmark {
   [[nodiscard]] LandmarkKind kind() const { return kind_; }
 
  private:
-  [[nodiscard]] bool may_be_wall() const { return kind_ == LandmarkKind::wall || kind_ == LandmarkKind::undecided; }
-  [[nodiscard]] bool may_be_circle() const { return kind_ != LandmarkKind::wall; }
-
   std::int64_t id_;
   LandmarkKind kind_ = LandmarkKind::undecided;
   WallHypothesis wall_;

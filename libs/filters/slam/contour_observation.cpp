@@ -19,7 +19,9 @@ ContourObservation::ContourObservation(const UltrasonicScan& scan, const Contour
     if (beam.echo != Echo::hit) continue;
     const double sd = parameters.echo.range_noise.sd(beam.range);
     ping_of_beam[i] = pings_.size();
-    pings_.push_back({beam.sensor_in_base, beam.range, sd * sd});
+    const Pose2& sensor = beam.sensor_in_base;
+    pings_.push_back(
+        {sensor.position(), sensor.yaw, {std::cos(sensor.yaw), std::sin(sensor.yaw)}, beam.range, sd * sd});
   }
   for (std::size_t k = 0; k < features.features.size(); ++k) {
     const ContourFeature& feature = features.features[k];
@@ -33,11 +35,15 @@ ContourObservation::ContourObservation(const UltrasonicScan& scan, const Contour
   }
 }
 
-PlacedEcho ContourObservation::place(const Pose2& base, const Ping& ping) const {
-  const Pose2 sensor = base * ping.sensor_in_base;
-  return {.sensor = sensor.position(),
-          .axis = sensor.yaw,
-          .axis_unit = {std::cos(sensor.yaw), std::sin(sensor.yaw)},
+ContourObservation::Frame::Frame(const Pose2& pose) : base(pose) {
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  rotation << c, -s, s, c;
+}
+
+PlacedEcho ContourObservation::place(const Frame& frame, const Ping& ping) const {
+  return {.sensor = frame.base.position() + frame.rotation * ping.sensor_in_base,
+          .axis = frame.base.yaw + ping.axis,
+          .axis_unit = frame.rotation * ping.axis_unit,
           .gate_cosine = gate_cosine_,
           .range = ping.range,
           .range_variance = ping.range_variance,
@@ -48,9 +54,10 @@ ObservationFit ContourObservation::apply(const Pose2& base, std::vector<ContourL
                                          std::vector<char>& explained) const {
   std::erase_if(map, [&](const ContourLandmark& l) { return l.failed(stop_, parameters_.contour_landmarks); });
   explained.assign(pings_.size(), 0);
+  const Frame frame(base);
   ObservationFit fit;
   for (std::size_t i = 0; i < pings_.size(); ++i) {
-    const PlacedEcho echo = place(base, pings_[i]);
+    const PlacedEcho echo = place(frame, pings_[i]);
     ContourLandmark* best = nullptr;
     double log_likelihood = log_clutter_;
     for (ContourLandmark& landmark : map) {
@@ -65,19 +72,29 @@ ObservationFit ContourObservation::apply(const Pose2& base, std::vector<ContourL
     fit.nis += best->assimilate(echo, log_clutter_, stop_, parameters_.contour_landmarks);
     fit.degrees_of_freedom += 2;
   }
-  start_landmarks(base, map, explained);
+  start_landmarks(frame, map, explained);
   return fit;
 }
 
-void ContourObservation::start_landmarks(const Pose2& base, std::vector<ContourLandmark>& map,
+bool ContourObservation::is_known(const ContourFeature& feature, const Frame& frame,
+                                  const std::vector<ContourLandmark>& map) const {
+  const double range = std::max(feature.surface.norm(), 1e-3),
+               direction = std::atan2(feature.surface.y(), feature.surface.x());
+  const PlacedEcho echo = place(frame, {Vector2::Zero(), direction, feature.surface / range, range, 0.0});
+  const double separation = parameters_.contour_landmarks.separation;
+  return std::ranges::any_of(map, [&](const ContourLandmark& l) { return l.expects_near(echo, separation); });
+}
+
+void ContourObservation::start_landmarks(const Frame& frame, std::vector<ContourLandmark>& map,
                                          std::vector<char>& explained) const {
   for (const Start& start : starts_) {
     const auto unexplained = std::ranges::count_if(start.pings, [&](std::size_t i) { return explained[i] == 0; });
     if (2 * static_cast<std::size_t>(unexplained) <= start.pings.size()) continue;
-    ContourLandmark landmark(*start.feature, base, start.id, stop_, parameters_.contour_landmarks);
+    if (is_known(*start.feature, frame, map)) continue;
+    ContourLandmark landmark(*start.feature, frame.base, start.id, stop_, parameters_.contour_landmarks);
     for (const std::size_t i : start.pings) {
       if (explained[i] != 0) continue;
-      const PlacedEcho echo = place(base, pings_[i]);
+      const PlacedEcho echo = place(frame, pings_[i]);
       if (landmark.log_likelihood(echo) <= log_clutter_) continue;
       landmark.assimilate(echo, log_clutter_, stop_, parameters_.contour_landmarks);
       explained[i] = 1;

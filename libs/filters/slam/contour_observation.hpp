@@ -25,25 +25,36 @@ class ContourObservation {
                      const ParticleSlamParameters& parameters);
 
   /// Gives each echo to the landmark that explains it best, or to clutter; each enters at most one landmark, once.
-  /// Then starts landmarks from those features whose echoes of this scan are mostly unexplained, and gives them these
-  /// echoes. Removes landmarks that failed.
+  /// Then starts landmarks from those features whose echoes of this scan are mostly unexplained and that lie apart from
+  /// all known ones, and gives them these echoes. Removes landmarks that failed.
   /// \param base pose of the particle in the map
   /// \param explained scratch
   ObservationFit apply(const Pose2& base, std::vector<ContourLandmark>& map, std::vector<char>& explained) const;
 
  private:
   struct Ping {
-    Pose2 sensor_in_base;
+    Vector2 sensor_in_base;
+    double axis;  ///< in base_link [rad]
+    Vector2 axis_unit;
     double range;
     double range_variance;
+  };
+  /// Pose of a particle with its rotation matrix, made once for all pings.
+  struct Frame {
+    explicit Frame(const Pose2& pose);
+    Pose2 base;
+    Matrix2 rotation;
   };
   struct Start {
     const ContourFeature* feature;
     std::vector<std::size_t> pings;  ///< of this scan, indices into pings_
     std::int64_t id;
   };
-  [[nodiscard]] PlacedEcho place(const Pose2& base, const Ping& ping) const;
-  void start_landmarks(const Pose2& base, std::vector<ContourLandmark>& map, std::vector<char>& explained) const;
+  [[nodiscard]] PlacedEcho place(const Frame& frame, const Ping& ping) const;
+  /// Whether a landmark is expected near the feature's surface, whatever the noise made of its echoes.
+  [[nodiscard]] bool is_known(const ContourFeature& feature, const Frame& frame,
+                              const std::vector<ContourLandmark>& map) const;
+  void start_landmarks(const Frame& frame, std::vector<ContourLandmark>& map, std::vector<char>& explained) const;
 
   const ParticleSlamParameters& parameters_;
   int stop_;

@@ -30,6 +30,7 @@ struct EchoParameters {
 
 /// Birth, decision and death of walls, cylinders and points heard by ultrasound.
 struct ContourLandmarkParameters {
+  double separation = 0.15;             ///< surfaces nearer than this to a known one are taken for that one [m]
   double range_sd = 0.10;               ///< prior sd of a new surface along the line of sight [m]
   double direction_sd = radians(15.0);  ///< prior sd of the direction in which it is seen [rad]
   double radius = 0.08;                 ///< prior radius of a circle where the extractor knows none [m]
@@ -44,6 +45,8 @@ struct ContourLandmarkParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = ContourLandmarkParameters;
+    v.field("separation_cm", &P::separation, unit::centimetre,
+            "no landmark starts where a known one is expected at a range as near as this", at_least(0.0));
     v.field("range_sd_cm", &P::range_sd, unit::centimetre, "prior sd of a new surface along the line of sight",
             positive());
     v.field("direction_sd_deg", &P::direction_sd, unit::degree, "prior sd of the direction of a new surface",

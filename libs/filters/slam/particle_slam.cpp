@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/check.hpp"
 #include "core/error.hpp"
 #include "filters/checks.hpp"
 #include "particle/parallel.hpp"
@@ -12,10 +13,8 @@ namespace noctule::filters {
 namespace {
 
 std::size_t checked_size(const ParticleSlamParameters& parameters, const Pose2& start) {
-  if (parameters.particles < 1) {
-    throw InputError("particles: expected an integer >= 1, got " + std::to_string(parameters.particles));
-  }
-  if (!start.finite()) throw InputError("start: expected a finite pose");
+  require_sound(parameters, "particle SLAM");
+  if (!start.finite()) throw InputError("particle SLAM: start: expected a finite pose");
   return static_cast<std::size_t>(parameters.particles);
 }
 

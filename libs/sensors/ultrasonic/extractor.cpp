@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/assignment.hpp"
+#include "core/check.hpp"
 #include "core/chi2.hpp"
 #include "core/error.hpp"
 #include "core/gaussian.hpp"
@@ -106,11 +107,9 @@ void check(const Odometry& odometry) {
 }  // namespace
 
 UltrasonicExtractor::UltrasonicExtractor(const ExtractorParameters& parameters)
-    : parameters_(parameters), gate_(chi2_quantile(parameters.gate, 2)), finder_(parameters.regions) {
-  if (parameters.window < 3 || parameters.window > kMaxSightings)
-    throw InputError("extractor: window: expected an integer in [3, " + std::to_string(kMaxSightings) + "], got " +
-                     std::to_string(parameters.window));
-}
+    : parameters_((require_sound(parameters, "ultrasonic extractor"), parameters)),
+      gate_(chi2_quantile(parameters.gate, 2)),
+      finder_(parameters.regions) {}
 
 ExtractorCounts UltrasonicExtractor::counts() const {
   ExtractorCounts counts = counts_;
@@ -363,6 +362,8 @@ ContourFeature UltrasonicExtractor::feature(const Track& track) const {
     if (undecided && fits.point)
       f.circle_log_likelihood = log_add_exp(f.circle_log_likelihood, fits.point->log_evidence) - std::log(2.0);
   }
+  const Sighting& latest = track.sightings.back();
+  f.surface = latest.position + latest.range * Vector2(std::cos(latest.direction), std::sin(latest.direction));
   if (f.has_wall && (!f.has_circle || d.wall >= 0.5))
     f.surface = f.wall.rho * f.wall.normal();
   else if (f.has_circle)

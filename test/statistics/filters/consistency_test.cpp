@@ -1,6 +1,6 @@
-/// Does the filter know how well it knows? Chi-square bounds on walls and poses over independent runs, fed with features
-/// whose readings overlap from scan to scan. The control: a filter that is given every reading three times, as often as
-/// it stands in overlapping triples, must fail.
+/// Does the filter know how well it knows? Chi-square bounds on walls and poses over independent runs, fed with
+/// features whose readings overlap from scan to scan. The control: a filter that is given every reading three times, as
+/// often as it stands in overlapping triples, must fail.
 #include <gtest/gtest.h>
 
 #include "core/chi2.hpp"

@@ -13,19 +13,21 @@ namespace noctule::sensors::scene {
 
 enum class Kind { wall, cylinder, corner, edge };
 
+struct Response {
+  double range;      ///< [m]
+  double direction;  ///< of the echo [rad]
+};
+
 /// In the frame of the world.
 struct Object {
   Kind kind = Kind::wall;
   Wall wall;
   Cylinder cylinder;  ///< radius 0 for a corner or an edge
 
-  [[nodiscard]] models::EchoPrediction<2> echo(const Vector2& sensor) const {
-    if (kind == Kind::wall) return models::predict_echo(sensor, wall);
-    const auto full = models::predict_echo(sensor, cylinder);
-    models::EchoPrediction<2> e;
-    e.range = full.range;
-    e.direction = full.direction;
-    return e;
+  [[nodiscard]] Response echo(const Vector2& sensor) const {
+    const auto answer = [](const auto& prediction) { return Response{prediction.range, prediction.direction}; };
+    return kind == Kind::wall ? answer(models::predict_echo(sensor, wall))
+                              : answer(models::predict_echo(sensor, cylinder));
   }
 };
 

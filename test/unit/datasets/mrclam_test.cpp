@@ -132,6 +132,7 @@ TEST_F(MrclamTest, RefusesWhatIsWrong) {
   const MrclamParameters p{.path = folder_.path()};
   EXPECT_EQ(refused({.path = folder_.path(), .robot = 2}),
             folder_.path().string() + ": expected a file Robot2_Odometry.dat or Robot2_Odometry.dat.gz, got neither");
+  EXPECT_EQ(refused({}), "path: expected the folder of an MR.CLAM data set, got ''");
   folder_.write("Robot1_Measurement.dat", "101 63 1 0\n100.5 63 1 0\n");
   EXPECT_EQ(refused(p), file("Robot1_Measurement.dat") + ":2: time_s: expected at least 101 as above, got 100.5");
   folder_.write("Robot1_Measurement.dat", "101 63 -1 0\n");

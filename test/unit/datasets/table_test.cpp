@@ -51,6 +51,7 @@ TEST_F(TableTest, RefusesWrongColumnsAndHeaders) {
 }
 
 TEST_F(TableTest, RefusesNothingAtAll) {
+  EXPECT_EQ(refusal([&] { Table("", blanks_); }), "path: expected the path of a file, got an empty one");
   const std::string path = (folder_.path() / "t.txt").string();
   EXPECT_EQ(refused("", blanks_), path + ": expected at least one record, got none");
   EXPECT_EQ(refused("1 2", {.columns = {"a"}}), path + ": expected at least one record, got none");

@@ -119,10 +119,12 @@ TEST(NeesSummary, CountsOnlyWhatIsANumber) {
   const NeesSummary s = nees_summary(values);
   EXPECT_EQ(s.samples, 3);
   EXPECT_NEAR(s.mean, 23.1 / 3, 1e-12);
+  EXPECT_EQ(s.median, 3.0);
   EXPECT_NEAR(s.step_bounds.low, 0.2158, 1e-4);
   EXPECT_NEAR(s.step_bounds.high, 9.3484, 1e-4);
   EXPECT_NEAR(s.inside, 1.0 / 3, 1e-12);
   EXPECT_TRUE(std::isnan(nees_summary({}).mean));
+  EXPECT_TRUE(std::isnan(nees_summary({}).median));
 }
 
 LandmarkMap landmark_map(std::initializer_list<std::pair<int, Vector2>> points) {

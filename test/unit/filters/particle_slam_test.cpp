@@ -98,6 +98,27 @@ TEST(ParticleSlam, OverlappingFeaturesStartALandmarkOnce) {
   EXPECT_LE(observations, echoes);
 }
 
+TEST(ParticleSlam, MuchNoiseStartsNoSecondLandmarkBesideTheFirst) {
+  // Four times the noise the filter was told: many echoes look like clutter, and features are made of them.
+  Drive drive;
+  const auto path = arc_path(40, 0.1, 0.15);
+  auto r = record(corner_scene(), path, drive, 3);
+  drive.ranger.noise = {.base = 0.012, .relative = 0.02};
+  drive.errors = {.range = 0.04, .direction = radians(5.0)};
+  const auto noisy = record(corner_scene(), path, drive, 4);
+  std::copy(noisy.heard.begin() + 15, noisy.heard.end(), r.heard.begin() + 15);
+  std::copy(noisy.features.begin() + 15, noisy.features.end(), r.features.begin() + 15);
+  const auto landmarks_with = [&](double separation) {
+    auto p = with_particles(1);
+    p.contour_landmarks.separation = separation;
+    ParticleSlam filter(p, 1);
+    play(r, filter);
+    return filter.map().landmarks.size();
+  };
+  EXPECT_EQ(landmarks_with(ContourLandmarkParameters{}.separation), 3u);
+  EXPECT_GT(landmarks_with(0.0), 3u);
+}
+
 TEST(ParticleSlam, LandmarksNeverHeardAgainAreDeleted) {
   Drive drive;
   const auto path = arc_path(12, 0.1, 0.0);
@@ -294,6 +315,12 @@ TEST(ParticleSlam, RefusesWhatIsNotFiniteAndStaysAsItWas) {
 
 TEST(ParticleSlam, RefusesImpossibleParameters) {
   EXPECT_THROW(ParticleSlam(with_particles(0), 1), InputError);
+  auto p = with_particles(10);
+  p.echo.range_noise.base = 0.0;
+  EXPECT_THROW(ParticleSlam(p, 1), InputError);
+  p = with_particles(10);
+  p.sightings.new_above = 1.0;
+  EXPECT_THROW(ParticleSlam(p, 1), InputError);
   EXPECT_THROW(ParticleSlam(with_particles(10), 1, {kNan, 0.0, 0.0}), InputError);
 }
 

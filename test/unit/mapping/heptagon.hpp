@@ -8,7 +8,9 @@
 
 #include "core/contour.hpp"
 #include "core/rng.hpp"
+#include "mapping/line_fit.hpp"
 #include "mapping/sonar_arc.hpp"
+#include "models/odometry.hpp"
 
 namespace noctule::mapping::heptagon {
 
@@ -149,6 +151,126 @@ inline std::vector<PosedScan> drive(const SensorNoise& noise, std::uint64_t seed
     scans.push_back(std::move(posed));
   }
   return scans;
+}
+
+/// Points on the contours, 2 cm apart, with Gaussian noise of `sigma` [m]; and `clutter` per contour point somewhere in
+/// the room.
+inline std::vector<PointWithCovariance> outline(double sigma, double clutter, std::uint64_t seed) {
+  Rng rng(seed, stream_id("test.outline"));
+  std::vector<PointWithCovariance> points;
+  const Room world = room();
+  const auto add = [&](const Vector2& p) {
+    points.push_back({p + sigma * Vector2(rng.normal(), rng.normal()), sigma * sigma * Matrix2::Identity()});
+    if (rng.uniform() >= clutter) return;
+    points.push_back({{rng.uniform(-0.6, 3.0), rng.uniform(-0.6, 2.6)}, sigma * sigma * Matrix2::Identity()});
+  };
+  constexpr double kStep = 0.02;
+  for (const RoomWall& w : world.walls) {
+    for (double s = w.begin; s < w.end; s += kStep) add(w.wall.rho * w.wall.normal() + s * w.wall.tangent());
+  }
+  for (const RoomCylinder& c : world.cylinders) {
+    for (double a = 0.0; a < kTwoPi; a += kStep / c.cylinder.radius) {
+      add(c.cylinder.centre + c.cylinder.radius * Vector2(std::cos(a), std::sin(a)));
+    }
+  }
+  return points;
+}
+
+/// The same scans with the poses that wheel odometry gives: steps err by a fraction of their length, each turn and each
+/// metre by some angle (models::OdometryNoise).
+inline std::vector<PosedScan> dead_reckoned(std::vector<PosedScan> scans, const models::OdometryNoise& noise,
+                                            std::uint64_t seed) {
+  Rng rng(seed, stream_id("test.odometry"));
+  Pose2 truth = scans.front().base_in_map, estimate = truth;
+  for (PosedScan& posed : scans) {
+    Pose2 step = between(truth, posed.base_in_map);
+    truth = posed.base_in_map;
+    const double length = step.position().norm();
+    if (length > 0.0) {
+      if (std::abs(step.yaw) > 1e-9) step.yaw += rng.normal(0.0, noise.turn);
+      step.x *= 1.0 + rng.normal(0.0, noise.distance);
+      step.yaw += rng.normal(0.0, noise.drift * std::sqrt(length));
+    }
+    estimate = estimate * step;
+    posed.base_in_map = estimate;
+  }
+  return scans;
+}
+
+/// The same scans with errors of the poses that come and go slowly, as those of a SLAM filter: a first-order
+/// Gauss-Markov process along the stops, from no error at the start.
+inline std::vector<PosedScan> wandering(std::vector<PosedScan> scans, double position_sd, double yaw_sd,
+                                        std::uint64_t seed) {
+  constexpr double kKept = 0.97;  // of the error from stop to stop
+  Rng rng(seed, stream_id("test.wandering"));
+  Vector3 error = Vector3::Zero();
+  const double fresh = std::sqrt(1.0 - kKept * kKept);
+  for (std::size_t k = 10; k < scans.size(); ++k) {
+    error = kKept * error +
+            fresh * Vector3(rng.normal(0.0, position_sd), rng.normal(0.0, position_sd), rng.normal(0.0, yaw_sd));
+    Pose2& pose = scans[k].base_in_map;
+    pose = {pose.x + error.x(), pose.y + error.y(), wrap(pose.yaw + error.z())};
+  }
+  return scans;
+}
+
+/// A map against the room. A wall is found when |d rho| / 5 cm + |d theta| / 5 deg < 3, a cylinder when its centre is
+/// within 30 cm; each estimate counts once.
+struct Score {
+  int walls_found = 0, walls_invented = 0, cylinders_found = 0, cylinders_invented = 0;
+  double rho = 0.0, theta = 0.0;          ///< mean absolute errors over walls 2 to 7 that were found [m], [rad]
+  double max_rho = 0.0, max_theta = 0.0;  ///< over all walls
+  double cylinder = 0.0;                  ///< mean of |dx|, |dy|, |dR| [m]
+  double max_cylinder = 0.0;
+  [[nodiscard]] bool complete() const {
+    return walls_found == 7 && walls_invented == 0 && cylinders_found == 2 && cylinders_invented == 0;
+  }
+};
+
+inline Score score(const ContourMap& map) {
+  const Room world = room();
+  Score s;
+  std::vector<char> used(map.walls.size(), 0);
+  int counted = 0;
+  for (std::size_t t = 0; t < world.walls.size(); ++t) {
+    int best = -1;
+    double least = 3.0;
+    Vector2 error = Vector2::Zero();
+    for (std::size_t i = 0; i < map.walls.size(); ++i) {
+      const Vector2 e(map.walls[i].wall.rho - world.walls[t].wall.rho,
+                      wrap(map.walls[i].wall.theta - world.walls[t].wall.theta));
+      const double cost = std::abs(e[0]) / 0.05 + std::abs(e[1]) / radians(5.0);
+      if (used[i] != 0 || cost >= least) continue;
+      best = static_cast<int>(i);
+      least = cost;
+      error = e.cwiseAbs();
+    }
+    if (best < 0) continue;
+    used[static_cast<std::size_t>(best)] = 1;
+    ++s.walls_found;
+    s.max_rho = std::max(s.max_rho, error[0]);
+    s.max_theta = std::max(s.max_theta, error[1]);
+    if (t == 0) continue;
+    ++counted;
+    s.rho += error[0];
+    s.theta += error[1];
+  }
+  s.rho /= std::max(1, counted);
+  s.theta /= std::max(1, counted);
+  s.walls_invented = static_cast<int>(map.walls.size()) - s.walls_found;
+  for (const RoomCylinder& truth : world.cylinders) {
+    for (const CylinderEstimate& c : map.cylinders) {
+      const Vector2 d = c.cylinder.centre - truth.cylinder.centre;
+      if (d.norm() > 0.30) continue;
+      const Vector3 e(std::abs(d.x()), std::abs(d.y()), std::abs(c.cylinder.radius - truth.cylinder.radius));
+      ++s.cylinders_found;
+      s.cylinder += e.mean() / 2.0;
+      s.max_cylinder = std::max(s.max_cylinder, e.maxCoeff());
+      break;
+    }
+  }
+  s.cylinders_invented = static_cast<int>(map.cylinders.size()) - s.cylinders_found;
+  return s;
 }
 
 }  // namespace noctule::mapping::heptagon

@@ -35,6 +35,10 @@ TEST(Text, Numbers) {
             "1.24");
   EXPECT_EQ(printed(12.36), "12.4");
   EXPECT_EQ(printed(123.6), "124");
+  EXPECT_EQ(printed(-1.16e17),
+            "\xE2\x88\x92"
+            "1.2\xC3\x97"
+            "10\xC2\xB9\xE2\x81\xB7");
   EXPECT_EQ(printed(kNan), "\xE2\x80\x94");
   EXPECT_EQ(printed_signed(0.5), "+0.50");
   EXPECT_EQ(printed_signed(0.0), "0.00");
@@ -77,7 +81,8 @@ TEST(Ticks, AreRoundAndInside) {
   EXPECT_EQ(t.values, (std::vector<double>{-2, 0, 2}));
   EXPECT_EQ(t.decimals, 0);
   EXPECT_EQ(linear_ticks(0, 0.1, 5).decimals, 2);
-  EXPECT_EQ(log_ticks(0.02, 150).values.size(), 4u);
+  EXPECT_EQ(log_ticks(0.02, 150, 6), (std::vector<int>{-1, 0, 1, 2}));
+  EXPECT_EQ(log_ticks(0.1, 1e17, 6), (std::vector<int>{-1, 3, 7, 11, 15}));
 }
 
 TEST(MapFigure, KeepsTheProportionsAndPutsNorthUp) {

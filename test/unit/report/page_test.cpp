@@ -122,6 +122,13 @@ TEST(Page, ShowsThePapersFiguresOnlyForItsRoom) {
   EXPECT_EQ(html.find("VB-APF-SLAM"), std::string::npos);
 }
 
+TEST(Page, PrintsAnglesAsTheTableDoes) {
+  RunData data = sample_run();
+  data.world.room->walls[2].wall.theta = 1e-17;  // 360 degrees in table 3
+  data.contours->errors = eval::contour_errors(data.contours->map, *data.world.room);
+  EXPECT_NE(page(data).find(">360.00<"), std::string::npos);
+}
+
 TEST(Page, PrintsCentimetresAndDegrees) {
   RunData data;
   data.metrics = {{"wall_mae_rho", 0.0123, "m"}, {"wall_mae_theta", radians(1.5), "rad"}};

@@ -208,9 +208,14 @@ TEST(UltrasonicExtractor, RefusesWhatCannotBeUsedAndStaysAsItWas) {
   const auto a = extractor.update(good).features, b = untouched.update(good).features;
   ASSERT_EQ(a.size(), b.size());
   EXPECT_EQ(a[0].wall.rho, b[0].wall.rho);
-  ExtractorParameters parameters;
-  parameters.window = 2;
-  EXPECT_THROW(UltrasonicExtractor{parameters}, InputError);
+}
+
+TEST(UltrasonicExtractor, RefusesParametersOutOfTheirRange) {
+  ExtractorParameters window, noise;
+  window.window = kMaxSightings + 1;
+  noise.regions.noise.base = kNan;
+  EXPECT_THROW(UltrasonicExtractor{window}, InputError);
+  EXPECT_THROW(UltrasonicExtractor{noise}, InputError);
 }
 
 TEST(UltrasonicExtractor, AnEmptyScanHasNoFeatures) {
