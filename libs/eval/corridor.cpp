@@ -130,10 +130,10 @@ CorridorFigures corridor_figures(const ContourMap& map, std::span<const Vector2>
 
   const Vector2 left2 = left_of(second);
   const int a = longest(map, second, left2, p), b = longest(map, second, -left2, p);
-  const auto length = [&](int j) {
-    return j < 0 ? 0.0 : map.walls[static_cast<std::size_t>(j)].end - map.walls[static_cast<std::size_t>(j)].begin;
+  const auto theta_variance = [&](int j) {
+    return j < 0 ? std::numeric_limits<double>::infinity() : map.walls[static_cast<std::size_t>(j)].covariance(1, 1);
   };
-  figures.second = length(a) >= length(b) ? a : b;
+  figures.second = theta_variance(a) <= theta_variance(b) ? a : b;
   if (figures.second >= 0) figures.corner = std::abs(wrap(wall(figures.second, left2).theta - mean_theta));
   return figures;
 }

@@ -20,7 +20,7 @@ struct CorridorParameters {
 struct CorridorFigures {
   int left = -1;                      ///< index in the map's walls: longest to the left of the first leg
   int right = -1;                     ///< and to its right
-  int second = -1;                    ///< longest along the second leg, either side
+  int second = -1;                    ///< longest on the side of the second leg whose direction is known better
   std::optional<double> width;        ///< [m] between left and right, at the middle of the first leg
   std::optional<double> parallelism;  ///< [rad] between left and right, signed
   std::optional<double> corner;       ///< [rad] between the first leg's walls (their mean) and the second's

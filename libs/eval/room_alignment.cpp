@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "core/assignment.hpp"
@@ -44,13 +45,23 @@ bool audible(const Room& room, std::size_t i, const Vector2& place) {
   return true;
 }
 
-std::vector<int> pair_walls(const ContourMap& map, const Room& room, const std::vector<int>& audible, const Pose2& pose,
+/// The same line seen from a point: rho is the distance from there.
+Wall seen_from(const Vector2& point, const Wall& wall) {
+  return {wall.distance(point), wall.theta};
+}
+
+/// The ranger stands at the origin of estimate and truth. The error of a wall that `pose` brings into the room, seen
+/// from where it puts the ranger.
+Wall error(const Wall& estimate, const Wall& truth, const Pose2& pose) {
+  return difference(seen_from(pose.position(), transformed(pose, estimate)), seen_from(pose.position(), truth));
+}
+
+std::vector<int> pair_walls(std::span<const Wall> estimates, std::span<const Wall> truths, const Pose2& pose,
                             const RoomAlignmentParameters& p) {
-  Eigen::MatrixXd costs(audible.size(), map.walls.size());
-  for (std::size_t i = 0; i < audible.size(); ++i) {
-    const Wall& truth = room.walls[static_cast<std::size_t>(audible[i])].wall;
-    for (std::size_t j = 0; j < map.walls.size(); ++j) {
-      const Wall d = difference(transformed(pose, map.walls[j].wall), truth);
+  Eigen::MatrixXd costs(truths.size(), estimates.size());
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    for (std::size_t j = 0; j < estimates.size(); ++j) {
+      const Wall d = error(estimates[j], truths[i], pose);
       const double rho = std::abs(d.rho) / p.rho_gate, theta = std::abs(d.theta) / p.theta_gate;
       costs(i, j) = rho < 1.0 && theta < 1.0 ? rho + theta : kInf;
     }
@@ -60,14 +71,13 @@ std::vector<int> pair_walls(const ContourMap& map, const Room& room, const std::
 
 using Pairs = std::vector<std::pair<Wall, Wall>>;
 
-/// All pairs but that of wall `left_out` (an index of `match`; -1: none is left out).
-Pairs pairs_without(int left_out, const std::vector<int>& match, const ContourMap& map, const Room& room,
-                    const std::vector<int>& audible) {
+/// All pairs but that of wall `left_out`; -1: all.
+Pairs pairs_without(int left_out, const std::vector<int>& match, std::span<const Wall> estimates,
+                    std::span<const Wall> truths) {
   Pairs pairs;
   for (std::size_t i = 0; i < match.size(); ++i) {
     if (match[i] < 0 || static_cast<int>(i) == left_out) continue;
-    pairs.emplace_back(map.walls[static_cast<std::size_t>(match[i])].wall,
-                       room.walls[static_cast<std::size_t>(audible[i])].wall);
+    pairs.emplace_back(estimates[static_cast<std::size_t>(match[i])], truths[i]);
   }
   return pairs;
 }
@@ -108,32 +118,37 @@ std::optional<Pose2> align_walls(std::span<const std::pair<Wall, Wall>> pairs) {
 RoomAlignment align_to_room(const ContourMap& map, const Room& room, std::span<const Vector2> places,
                             const RoomAlignmentParameters& p) {
   if (!(p.rho_gate > 0.0 && p.theta_gate > 0.0)) throw std::invalid_argument("align_to_room: gates must be positive");
+  if (places.empty()) throw std::invalid_argument("align_to_room: no place of the ranger");
+  const Vector2 ranger = std::accumulate(places.begin(), places.end(), Vector2(Vector2::Zero())) / places.size();
   const std::vector<int> audible = audible_walls(room, places);
-  RoomAlignment result;
-  std::vector<int> match(audible.size(), -1);
-  for (int round = 0; round < kRounds && !audible.empty(); ++round) {
-    match = pair_walls(map, room, audible, result.room_T_map, p);
-    result.room_T_map = align_walls(pairs_without(-1, match, map, room, audible)).value_or(Pose2{});
+  std::vector<Wall> estimates, truths;
+  for (const WallEstimate& w : map.walls) estimates.push_back(seen_from(ranger, w.wall));
+  for (const int i : audible) truths.push_back(seen_from(ranger, room.walls[static_cast<std::size_t>(i)].wall));
+
+  Pose2 pose;
+  std::vector<int> match(truths.size(), -1);
+  for (int round = 0; round < kRounds && !truths.empty(); ++round) {
+    match = pair_walls(estimates, truths, pose, p);
+    pose = align_walls(pairs_without(-1, match, estimates, truths)).value_or(Pose2{});
   }
 
+  RoomAlignment result;
+  result.room_T_map = Pose2{ranger.x(), ranger.y(), 0.0} * pose * Pose2{-ranger.x(), -ranger.y(), 0.0};
   std::vector<double> rho, theta;
-  for (std::size_t i = 0; i < audible.size(); ++i) {
-    const RoomWall& truth = room.walls[static_cast<std::size_t>(audible[i])];
-    AlignedWall wall{.name = truth.name, .estimate = match[i]};
-    if (match[i] >= 0) {
-      ++result.found;
-      const auto pose = align_walls(pairs_without(static_cast<int>(i), match, map, room, audible));
-      if (pose) {
-        const Wall aligned = transformed(*pose, map.walls[static_cast<std::size_t>(match[i])].wall);
-        const Wall d = difference(aligned, truth.wall);
-        wall.scored = true;
-        wall.rho = d.rho;
-        wall.theta = d.theta;
-        rho.push_back(std::abs(d.rho));
-        theta.push_back(std::abs(d.theta));
-      }
-    }
-    result.walls.push_back(wall);
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    AlignedWall& wall = result.walls.emplace_back();
+    wall.name = room.walls[static_cast<std::size_t>(audible[i])].name;
+    wall.estimate = match[i];
+    if (match[i] < 0) continue;
+    ++result.found;
+    const auto others = align_walls(pairs_without(static_cast<int>(i), match, estimates, truths));
+    if (!others) continue;
+    const Wall d = error(estimates[static_cast<std::size_t>(match[i])], truths[i], *others);
+    wall.scored = true;
+    wall.rho = d.rho;
+    wall.theta = d.theta;
+    rho.push_back(std::abs(d.rho));
+    theta.push_back(std::abs(d.theta));
   }
   for (int j = 0; j < static_cast<int>(map.walls.size()); ++j) {
     if (std::find(match.begin(), match.end(), j) == match.end()) result.invented_walls.push_back(j);

@@ -12,7 +12,7 @@
 namespace noctule::eval {
 
 struct RoomAlignmentParameters {
-  double rho_gate = 0.6;              ///< [m] walls farther from the truth than this, as first placed, are no pair
+  double rho_gate = 0.6;              ///< [m] walls whose distances from the ranger differ by more are no pair
   double theta_gate = radians(25.0);  ///< [rad]
 };
 
@@ -21,8 +21,8 @@ struct AlignedWall {
   std::string name;
   int estimate = -1;    ///< index in the map's walls, -1: missed
   bool scored = false;  ///< the others fixed an alignment
-  double rho = 0.0;     ///< [m] estimate, aligned by the other walls, minus truth; 0 if not scored
-  double theta = 0.0;   ///< [rad]
+  double rho = 0.0;     ///< [m] distance from the ranger, aligned by the other walls, minus truth; 0 if not scored
+  double theta = 0.0;   ///< [rad] the same of the direction
 };
 
 struct RoomAlignment {
@@ -41,13 +41,15 @@ struct RoomAlignment {
 [[nodiscard]] std::vector<int> audible_walls(const Room& room, std::span<const Vector2> places);
 
 /// The rigid motion that brings estimated walls to known ones, least squares: the mean difference of theta, then the
-/// translation that fits the differences of rho. Pairs are (estimate, truth). Nothing where the walls' normals do not
-/// span the plane.
+/// translation that fits the differences of rho, which should be distances from where the walls were heard. Pairs are
+/// (estimate, truth). Nothing where the walls' normals do not span the plane.
 [[nodiscard]] std::optional<Pose2> align_walls(std::span<const std::pair<Wall, Wall>> pairs);
 
 /// Pairs the audible walls with the map's (Hungarian method, at first as the map lies, then once more after an
-/// alignment by the pairs), then scores each pair by the alignment that all other pairs give. \param places where the
-/// ranger was [m], room frame \throws std::invalid_argument for gates that are not positive
+/// alignment by the pairs), then scores each pair by the alignment that all other pairs give. Distances are those from
+/// the ranger, the mean of its places, which the alignment moves along with the map.
+/// \param places where the ranger was [m], in the frame of the map, roughly that of the room
+/// \throws std::invalid_argument for no place, gates that are not positive
 [[nodiscard]] RoomAlignment align_to_room(const ContourMap& map, const Room& room, std::span<const Vector2> places,
                                           const RoomAlignmentParameters& parameters = {});
 

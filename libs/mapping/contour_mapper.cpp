@@ -17,8 +17,7 @@ ContourMap map_contours(std::span<const PosedScan> scans, const MapperParameters
   for (const PosedScan& posed : scans) reader.read(posed.scan, posed.base_in_map, arcs);
 
   if (parameters.single_stop.enabled) {
-    ContourMap map;
-    map.walls = single_stop_walls(arcs, parameters.single_stop);
+    ContourMap map = single_stop_map(arcs, parameters.single_stop);
     if (!scans.empty()) map.stamp = scans.back().scan.stamp;
     return map;
   }

@@ -9,7 +9,7 @@
 namespace noctule::mapping {
 
 /// The map that all scans together give; the stamp is the last scan's. No scans, no walls. With
-/// `single_stop.enabled` the walls that each stop alone suggests (mapping/single_stop.hpp).
+/// `single_stop.enabled` what each stop alone suggests (mapping/single_stop.hpp).
 /// \throws InputError as check() of mapping/sonar_arc.hpp
 [[nodiscard]] ContourMap map_contours(std::span<const PosedScan> scans, const MapperParameters& parameters);
 
