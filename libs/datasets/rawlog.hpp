@@ -14,13 +14,16 @@
 namespace noctule::datasets {
 
 /// A virtual ultrasonic ring: rangers at the place of a laser scanner, each of which hears the nearest laser return
-/// inside its cone. No real ultrasonic sensor: nothing is specular, nothing is missed.
+/// inside its cone. No real ultrasonic sensor: unless `margin` is set nothing is specular, nothing is missed.
 struct VirtualRing {
   int sensors = 8;                    ///< spread evenly so that all cones fill the scanner's field; see `yaws`
   std::vector<double> yaws{};         ///< instead: axes of the cones in the frame of the base [rad]
   double half_angle = radians(10.0);  ///< half opening of each cone [rad]
-  double min_range = 0.02;            ///< [m]
-  double max_range = 4.0;             ///< [m]
+  /// A cone hears nothing when a return so far outside it is nearer than all inside: the surface comes nearest to the
+  /// ranger out there, and reflects away from it in here [rad].
+  double margin = 0.0;
+  double min_range = 0.02;  ///< [m]
+  double max_range = 4.0;   ///< [m]
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -30,6 +33,9 @@ struct VirtualRing {
     v.field("yaws_deg", &P::yaws, unit::degree, "instead of `sensors`: axes of the cones in the frame of the base",
             between(-360, 360));
     v.field("half_angle_deg", &P::half_angle, unit::degree, "half the opening of each cone", positive());
+    v.field("margin_deg", &P::margin, unit::degree,
+            "a cone hears nothing when a return so far outside it is nearer than all inside; 0: it always hears",
+            at_least(0.0));
     v.field("min_range_m", &P::min_range, unit::metre, "shorter ranges count as saturated", at_least(0.0));
     v.field("max_range_m", &P::max_range, unit::metre, "longer ranges count as no echo", positive());
   }

@@ -52,6 +52,7 @@ Recording read(const SonarCorridorParameters& p) {
   }
 
   Pose2 previous;
+  std::array<bool, kBearingsDeg.size()> fresh{};
   for (int row = 0; row < rows; ++row) {
     if (ranges(row, 0) != poses(row, 0)) {
       poses.refuse(row, 0, std::to_string(ranges.integer(row, 0)) + " as in measurement.txt");
@@ -70,10 +71,13 @@ Recording read(const SonarCorridorParameters& p) {
     recording.observations.emplace_back(GroundTruth{stamp, pose});
 
     UltrasonicScan scan{stamp, p.half_angle, p.min_range, p.max_range, {}};
-    for (int i = 0; i < static_cast<int>(kBearingsDeg.size()); ++i) {
-      const double raw = ranges.at_least(0.0, row, i + 1);
-      scan.beams.push_back(ring_beam(radians(kBearingsDeg[static_cast<std::size_t>(i)]), p.ring_radius,
-                                     raw >= kNoEchoMm ? kNoEcho : raw * kMillimetre, scan));
+    for (std::size_t i = 0; i < kBearingsDeg.size(); ++i) {
+      const int column = static_cast<int>(i) + 1;
+      const double raw = ranges.at_least(0.0, row, column);
+      scan.beams.push_back(
+          ring_beam(radians(kBearingsDeg[i]), p.ring_radius, raw >= kNoEchoMm ? kNoEcho : raw * kMillimetre, scan));
+      fresh[i] = !fresh[i] || raw != ranges(row - 1, column);
+      if (!fresh[i]) scan.beams.back() = {scan.beams.back().sensor_in_base, 0.0, Echo::invalid};
     }
     recording.observations.emplace_back(std::move(scan));
   }

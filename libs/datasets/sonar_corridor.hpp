@@ -61,7 +61,9 @@ struct SonarCorridorParameters {
 };
 
 /// measurement.txt: t [ms], r1..r8 [mm], 5110 = no echo; bearings -90 (right), -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90
-/// degrees. poses.txt: t [ms], x, y [mm], heading [0.1 deg].
+/// degrees. poses.txt: t [ms], x, y [mm], heading [0.1 deg]. Each sonar answers every second row; in between its range
+/// is repeated, while the robot moves on: a range equal to a fresh one of the row before is a repetition
+/// (Echo::invalid).
 /// Yields at each row an UltrasonicScan of eight beams, the given pose as GroundTruth (not independent: it looks like
 /// smoothed odometry) and, from the second row on, Odometry: the increment of the given poses with noise added, its
 /// covariance being exactly that of the added noise.

@@ -83,6 +83,24 @@ TEST(VirtualRing, PassesOverReturnsThatAreNotValid) {
   EXPECT_EQ(virtual_scan(laser, {.yaws = {0.0}}, "").beams[0].echo, Echo::saturated);
 }
 
+TEST(VirtualRing, IsDeafToASurfaceThatComesNearerOutsideTheCone) {
+  auto laser = scanner_before_wall(1.3, kPi);
+  VirtualRing ring{.half_angle = radians(10.0), .max_range = 4.0};
+  for (const double yaw : {-50.0, -30.0, -10.5, -8.0, 0.0, 8.0, 10.5, 30.0, 50.0}) ring.yaws.push_back(radians(yaw));
+  ring.margin = radians(2.0);
+  const UltrasonicScan scan = virtual_scan(laser, ring, "here");
+  for (std::size_t i = 0; i < ring.yaws.size(); ++i) {
+    const bool normal_inside = std::abs(ring.yaws[i]) < ring.half_angle;
+    EXPECT_EQ(scan.beams[i].echo, normal_inside ? Echo::hit : Echo::none) << degrees(ring.yaws[i]);
+    EXPECT_NEAR(scan.beams[i].range, normal_inside ? 1.3 : 0.0, 1e-5);
+  }
+  laser.setScanRange(240, 0.8f);  // at 30 degrees, before the wall: nothing nearer beside it
+  EXPECT_NEAR(virtual_scan(laser, ring, "here").beams[7].range, 0.8, 1e-6);
+  ring.yaws = {radians(79.0)};  // the margin reaches beyond the field
+  EXPECT_THROW(static_cast<void>(virtual_scan(laser, ring, "here")), InputError);
+  EXPECT_EQ(virtual_scan(laser, {.sensors = 5, .margin = radians(3.0)}, "").beams.size(), 5u);
+}
+
 std::string refused(const CObservation2DRangeScan& laser, const VirtualRing& ring) {
   try {
     static_cast<void>(virtual_scan(laser, ring, "log: object 3"));
@@ -97,7 +115,7 @@ TEST(VirtualRing, RefusesConesTheScannerCannotFill) {
   EXPECT_EQ(
       refused(laser, {.yaws = {radians(85.0)}, .half_angle = radians(10.0)}),
       "log: object 3: expected cones inside the laser's field of 180.000005 deg, got one about 85.000000 deg with "
-      "half angle 10.000000 deg");
+      "half angle 10.000000 deg and margin 0.000000 deg");
   EXPECT_NE(refused(laser, {.yaws = {radians(0.25)}, .half_angle = radians(0.1)})
                 .find("expected laser beams inside each cone, got 361 in the whole field"),
             std::string::npos);
