@@ -24,6 +24,7 @@ struct KnownWorld {
   std::optional<Room> room;              ///< contours, map frame
   std::vector<KnownLandmark> landmarks;  ///< map frame
   Pose2 start_in_map;                    ///< pose of the base at the first observation; filters start there
+  bool start_is_rough = false;           ///< that pose is a guess: maps must be aligned with the room to be judged
 };
 
 class ObservationSource {

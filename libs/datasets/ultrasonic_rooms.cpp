@@ -44,6 +44,7 @@ Recording read(const UltrasonicRoomsParameters& p) {
   recording.notes = table.notes();
   recording.world.name = "hand-turned sweep";
   recording.world.start_in_map = p.start;
+  recording.world.start_is_rough = true;
   if (!p.outline.empty()) recording.world.room = read_outline(p.outline);
 
   UltrasonicScan scan{{}, p.half_angle, 1e-3 * kSaturatedMm, 1e-3 * kNoEchoMm, {}};

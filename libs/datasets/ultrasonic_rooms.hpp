@@ -35,7 +35,7 @@ struct UltrasonicRoomsParameters {
 /// are pings; a ping that repeats the very same millimetre is lost with them, and so is the first row, whose age is
 /// not known. Ranges: 5000 or more no echo, 300 or less saturated, 0 ranger not connected (Echo::invalid).
 /// Yields one scan, or one per window, stamped with its last row: the base stands still at `start` and each beam looks
-/// along minus the yaw at its ping. Neither odometry nor ground truth.
+/// along minus the yaw at its ping. Neither odometry nor ground truth; the start is rough.
 class UltrasonicRooms : public RecordedSource {
  public:
   /// \throws InputError for a missing or damaged file, another header, negative ranges, times that step back, a run

@@ -138,6 +138,7 @@ RoomAlignment align_to_room(const ContourMap& map, const Room& room, std::span<c
   for (std::size_t i = 0; i < truths.size(); ++i) {
     AlignedWall& wall = result.walls.emplace_back();
     wall.name = room.walls[static_cast<std::size_t>(audible[i])].name;
+    wall.truth = room.walls[static_cast<std::size_t>(audible[i])].wall;
     wall.estimate = match[i];
     if (match[i] < 0) continue;
     ++result.found;
@@ -158,6 +159,23 @@ RoomAlignment align_to_room(const ContourMap& map, const Room& room, std::span<c
   result.median_rho = rho.empty() ? kNan : quantile(rho, 0.5);
   result.median_theta = theta.empty() ? kNan : quantile(theta, 0.5);
   return result;
+}
+
+ContourErrors contour_errors(const RoomAlignment& alignment) {
+  ContourErrors errors;
+  double rho = 0.0, theta = 0.0;
+  for (const AlignedWall& w : alignment.walls) {
+    const double e_rho = w.scored ? w.rho : kNan, e_theta = w.scored ? w.theta : kNan;
+    errors.walls.push_back({w.name, w.truth, false, w.estimate, e_rho, e_theta, e_theta});
+    if (!w.scored) continue;
+    rho += std::abs(w.rho) / alignment.scored;
+    theta += std::abs(w.theta) / alignment.scored;
+  }
+  if (alignment.scored == 0) rho = theta = kNan;
+  errors.all_walls = errors.other_walls = {alignment.found, rho, theta, theta};
+  errors.invented_walls = alignment.invented_walls;
+  errors.cylinder_mae = errors.cylinder_mae_radius = kNan;
+  return errors;
 }
 
 }  // namespace noctule::eval

@@ -8,6 +8,7 @@
 
 #include "core/angles.hpp"
 #include "core/contour.hpp"
+#include "eval/contour_error.hpp"
 
 namespace noctule::eval {
 
@@ -19,6 +20,7 @@ struct RoomAlignmentParameters {
 /// A known wall that could be heard, and what was found of it.
 struct AlignedWall {
   std::string name;
+  Wall truth;           ///< room frame
   int estimate = -1;    ///< index in the map's walls, -1: missed
   bool scored = false;  ///< the others fixed an alignment
   double rho = 0.0;     ///< [m] distance from the ranger, aligned by the other walls, minus truth; 0 if not scored
@@ -52,5 +54,9 @@ struct RoomAlignment {
 /// \throws std::invalid_argument for no place, gates that are not positive
 [[nodiscard]] RoomAlignment align_to_room(const ContourMap& map, const Room& room, std::span<const Vector2> places,
                                           const RoomAlignmentParameters& parameters = {});
+
+/// The same as errors of contours, for reports: the walls that could be heard, without an anchor; errors of those that
+/// were found but could not be scored are NaN, means are over scored walls. The common rotation is already taken out.
+[[nodiscard]] ContourErrors contour_errors(const RoomAlignment& alignment);
 
 }  // namespace noctule::eval

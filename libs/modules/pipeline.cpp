@@ -22,7 +22,8 @@ std::unique_ptr<Module> make_mapper(bus::Bus& bus, const PipelineParameters& par
   MapperModuleParameters mapping = parameters.mapping.value();
   // The limits are looked at once, at the end.
   if (poses != PoseSource::slam) mapping.incremental = false;
-  return std::make_unique<MapperModule>(bus, mapping, MapperRole{poses, world.start_in_map, world.room});
+  const std::optional<Room> room = world.start_is_rough ? std::nullopt : world.room;
+  return std::make_unique<MapperModule>(bus, mapping, MapperRole{poses, world.start_in_map, room});
 }
 
 Pipeline::Pipeline(bus::Bus& bus, const PipelineParameters& parameters, Threads threads)

@@ -1,6 +1,7 @@
 #include "modules/recorder_module.hpp"
 
 #include "eval/contour_error.hpp"
+#include "eval/room_alignment.hpp"
 #include "mapping/contour_mapper.hpp"
 #include "noctule/contour_map.hpp"
 #include "noctule/ground_truth.hpp"
@@ -28,6 +29,12 @@ const char* state_name(std::int8_t state) {
     default:
       return "finished";
   }
+}
+
+eval::ContourErrors errors_of(const ContourMap& map, const KnownWorld& world) {
+  if (!world.start_is_rough) return eval::contour_errors(map, *world.room);
+  const Vector2 place = world.start_in_map.position();
+  return eval::contour_errors(eval::align_to_room(map, *world.room, {&place, 1}));
 }
 
 report::ModuleReport report_of(const module_status& status) {
@@ -113,7 +120,13 @@ report::RunData RecorderModule::data() const {
   data.dead_reckoning = dead_reckoning_.poses();
   if (data.world.room) {
     for (auto* result : {&data.contours, &data.contours_known_pose, &data.contours_dead_reckoning}) {
-      if (*result) (*result)->errors = eval::contour_errors((*result)->map, *data.world.room);
+      if (*result) (*result)->errors = errors_of((*result)->map, data.world);
+    }
+    if (data.world.start_is_rough) {
+      data.notes.push_back(
+          "Where the recording began is only roughly known. Maps are drawn as if it were known; the error of a wall is "
+          "what remains after the others have aligned the map with the room, and only walls that can be heard from the "
+          "start count.");
     }
   }
   data.direct_points = mapping::direct_points(posed_scans(scans_, dead_reckoning_));

@@ -51,6 +51,7 @@ double table_angle(double theta) {
 std::string wall_cells(const Method& m, std::size_t i) {
   const eval::WallError& w = m.errors.walls[i];
   if (!w.found()) return cell("missed", "missed " + m.css_class, 2);
+  if (std::isnan(w.rho)) return cell("found, not scored", m.css_class, 2);
   const double rho = 100.0 * w.rho, theta = degrees(w.theta);
   return cell(value_with_error(100.0 * w.truth.rho + rho, rho), m.css_class) +
          cell(value_with_error(table_angle(w.truth.theta) + theta, theta), m.css_class);
@@ -127,9 +128,9 @@ std::string wall_table(const RunData& data) {
              cell(fixed(table_angle(known[i].truth.theta), 2), "truth");
     for (const Method& m : methods) cells += wall_cells(m, i);
     body += row(cells);
-    if (known[i].anchor) anchor = escape(known[i].name);
+    if (known[i].anchor) anchor = " without wall " + escape(known[i].name);
   }
-  body += wall_mean_row("Mean |error| without wall " + anchor, methods, [](const eval::ContourErrors& e) {
+  body += wall_mean_row("Mean |error|" + anchor, methods, [](const eval::ContourErrors& e) {
     return Pair{e.other_walls.rho, e.other_walls.theta};
   });
   body += wall_mean_row("Mean |error| free of the common rotation", methods, [](const eval::ContourErrors& e) {

@@ -147,6 +147,31 @@ TEST(AlignToRoom, MissesWhatIsNotThereAndScoresNothingWithoutAnAlignment) {
   EXPECT_EQ(none.invented_walls.size(), 2U);
 }
 
+TEST(AlignToRoom, GivesErrorsForTheReport) {
+  const Room room = l_room();
+  ContourMap map = map_of(room, {});
+  map.walls.push_back({.wall = {1.0, radians(40.0)}});
+  map.walls[1].wall.theta += radians(4.0);  // east
+  const RoomAlignment alignment = align_to_room(map, room, {&kPlace, 1});
+  const ContourErrors errors = contour_errors(alignment);
+  ASSERT_EQ(errors.walls.size(), 4U);
+  EXPECT_EQ(errors.walls_found(), 4);
+  EXPECT_EQ(errors.invented_walls, std::vector<int>{4});
+  EXPECT_EQ(errors.walls[1].name, "east");
+  EXPECT_EQ(errors.walls[1].truth.rho, 3.0);
+  EXPECT_NEAR(errors.walls[1].theta, radians(4.0), 1e-9);
+  double sum = 0.0;
+  for (const AlignedWall& w : alignment.walls) sum += std::abs(w.theta);
+  EXPECT_NEAR(errors.other_walls.theta, sum / 4.0, 1e-12);
+
+  map.walls.resize(2);
+  const ContourErrors unscored = contour_errors(align_to_room(map, room, {&kPlace, 1}));
+  EXPECT_EQ(unscored.walls_found(), 2);
+  EXPECT_EQ(unscored.walls_missed(), 2);
+  EXPECT_TRUE(unscored.walls[0].found() && std::isnan(unscored.walls[0].rho));
+  EXPECT_TRUE(std::isnan(unscored.other_walls.rho));
+}
+
 TEST(AlignToRoom, RefusesWhatMakesNoSense) {
   const Room room = l_room();
   EXPECT_THROW((void)align_to_room({}, room, {}), std::invalid_argument);
