@@ -82,23 +82,18 @@ Wall turned_towards(const Wall& wall, const Vector2& normal) {
   return {-wall.rho, wrap(wall.theta + kPi)};
 }
 
-/// Longest wall of a leg on the side that `normal` points to; of equal ones the first.
-int longest(const ContourMap& map, const Leg& leg, const Vector2& normal, const CorridorParameters& p) {
-  int best = -1;
-  double length = 0.0;
+/// The wall of a leg, on the side that `normal` points to, that most echoes speak for; of equal ones the first.
+int best_supported(const ContourMap& map, const Leg& leg, const Vector2& normal, const CorridorParameters& p) {
+  int best = -1, readings = 0;
   for (int j = 0; j < static_cast<int>(map.walls.size()); ++j) {
     const WallEstimate& w = map.walls[static_cast<std::size_t>(j)];
     const Wall wall = turned_towards(w.wall, normal);
     const double distance = wall.distance(leg.middle);
     if (wall.normal().dot(normal) < std::cos(p.alignment) || !(distance > 0.0 && distance < p.reach)) continue;
-    const Vector2 foot = w.wall.rho * w.wall.normal();
-    const auto along = [&](double s) {
-      const double at = leg.direction.dot(foot + s * w.wall.tangent() - leg.middle);
-      return std::clamp(at, -leg.half_length - p.margin, leg.half_length + p.margin);
-    };
-    const double heard = std::abs(along(w.end) - along(w.begin));
-    if (heard <= length) continue;
-    length = heard;
+    const Vector2 middle = w.wall.rho * w.wall.normal() + 0.5 * (w.begin + w.end) * w.wall.tangent();
+    const bool beside = std::abs(leg.direction.dot(middle - leg.middle)) < leg.half_length + p.margin;
+    if (!beside || w.readings <= readings) continue;
+    readings = w.readings;
     best = j;
   }
   return best;
@@ -120,8 +115,8 @@ CorridorFigures corridor_figures(const ContourMap& map, std::span<const Vector2>
   };
 
   const Vector2 left = left_of(first);
-  figures.left = longest(map, first, left, p);
-  figures.right = longest(map, first, -left, p);
+  figures.left = best_supported(map, first, left, p);
+  figures.right = best_supported(map, first, -left, p);
   if (figures.left < 0 || figures.right < 0) return figures;
   const Wall l = wall(figures.left, left), r = wall(figures.right, -left);
   figures.width = l.distance(first.middle) + r.distance(first.middle);
@@ -129,7 +124,7 @@ CorridorFigures corridor_figures(const ContourMap& map, std::span<const Vector2>
   const double mean_theta = r.theta + kPi + 0.5 * *figures.parallelism;  // of the left normal
 
   const Vector2 left2 = left_of(second);
-  const int a = longest(map, second, left2, p), b = longest(map, second, -left2, p);
+  const int a = best_supported(map, second, left2, p), b = best_supported(map, second, -left2, p);
   const auto theta_variance = [&](int j) {
     return j < 0 ? std::numeric_limits<double>::infinity() : map.walls[static_cast<std::size_t>(j)].covariance(1, 1);
   };

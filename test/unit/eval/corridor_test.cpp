@@ -18,6 +18,7 @@ WallEstimate wall(const Vector2& a, const Vector2& b, double theta_sd = 0.001) {
   estimate.begin = std::min(w.tangent().dot(a), w.tangent().dot(b));
   estimate.end = std::max(w.tangent().dot(a), w.tangent().dot(b));
   estimate.covariance(1, 1) = theta_sd * theta_sd;
+  estimate.readings = static_cast<int>(10.0 * (b - a).norm());
   return estimate;
 }
 
@@ -81,11 +82,14 @@ TEST(CorridorFigures, DoNotDependOnTheFrame) {
 
 TEST(CorridorFigures, PassOverNichesSlantsAndStandstill) {
   Corridor c;
-  c.map.walls.insert(c.map.walls.begin(), {wall({2.0, 1.4}, {3.0, 1.4}), wall({0.0, 0.8}, {9.0, 4.0})});
+  c.map.walls.insert(c.map.walls.begin(),
+                     {wall({2.0, 1.4}, {3.0, 1.4}), wall({0.0, 0.8}, {9.0, 4.0}), wall({-15.0, 1.2}, {-4.0, 1.2})});
+  c.map.walls.push_back(wall({0.0, -3.0}, {14.0, -0.8}));
+  c.map.walls.back().readings = 15;  // long, but few speak for it
   c.way.insert(c.way.begin(), 5000, Vector2(0.0, 0.2));
   const CorridorFigures f = corridor_figures(c.map, c.way);
-  EXPECT_EQ(f.left, 2);
-  EXPECT_EQ(f.right, 3);
+  EXPECT_EQ(f.left, 3);
+  EXPECT_EQ(f.right, 4);
   EXPECT_NEAR(f.width.value(), 2.0, 1e-9);
   EXPECT_NEAR(f.corner.value(), kPi / 2.0, 1e-9);
 }
