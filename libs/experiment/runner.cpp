@@ -48,6 +48,15 @@ void write_atomically(const fs::path& file, const std::string& text) {
   fs::rename(temporary, file);
 }
 
+void append(std::vector<Row>& rows, Row row, std::span<const eval::Metric> metrics) {
+  for (const eval::Metric& m : metrics) {
+    row.metric = m.name;
+    row.unit = m.unit;
+    row.value = m.value;
+    rows.push_back(row);
+  }
+}
+
 std::string text_of(std::span<const Row> rows) {
   std::ostringstream out;
   write_rows(out, rows);
@@ -109,9 +118,10 @@ void run(const Experiment& experiment, const std::string& fingerprint, const Run
                      std::to_string(options.shards));
   }
   std::vector<std::unique_ptr<Scenario>> scenarios;
+  const std::vector<FilterSpec> filters = expand(experiment.filters);
   for (const ScenarioSpec& spec : experiment.scenarios) {
     scenarios.push_back(make_scenario(spec));
-    scenarios.back()->check(experiment.filters);
+    for (const FilterSpec& filter : filters) scenarios.back()->check(filter);
   }
   claim_directory(options.directory, fingerprint);
 
@@ -137,9 +147,21 @@ void run(const Experiment& experiment, const std::string& fingerprint, const Run
   const auto work = [&] {
     for (std::size_t i = next++; i < todo.size() && !stop; i = next++) {
       try {
-        const RunRows rows = scenarios[todo[i].scenario]->run(todo[i].seed, experiment.filters);
-        write_atomically(part_file(experiment, todo[i], options.directory, "timing"), text_of(rows.timings));
-        write_atomically(part_file(experiment, todo[i], options.directory, "runs"), text_of(rows.figures));
+        const std::vector<FilterRun> runs = scenarios[todo[i].scenario]->run(todo[i].seed, filters);
+        std::vector<Row> figures, timings;
+        for (std::size_t f = 0; f < filters.size(); ++f) {
+          const Row row{.scenario = experiment.scenarios[todo[i].scenario].name,
+                        .filter = filters[f].name,
+                        .parameters = filters[f].parameters,
+                        .seed = todo[i].seed,
+                        .metric = {},
+                        .unit = {},
+                        .diverged = runs[f].diverged};
+          append(figures, row, runs[f].figures);
+          append(timings, row, runs[f].timings);
+        }
+        write_atomically(part_file(experiment, todo[i], options.directory, "timing"), text_of(timings));
+        write_atomically(part_file(experiment, todo[i], options.directory, "runs"), text_of(figures));
         const std::lock_guard lock(mutex);
         ++state.done;
         const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
