@@ -1,25 +1,25 @@
 #include "experiment/experiment.hpp"
 
-#include <ctime>
-
 #include <algorithm>
-#include <cmath>
+#include <cctype>
+#include <ctime>
 #include <set>
-#include <sstream>
 
 #include "core/error.hpp"
 #include "experiment/contour_room.hpp"
+#include "experiment/csv.hpp"
 
 namespace noctule::experiment {
 namespace {
 
 using config::Tree;
 
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, separator);) parts.push_back(part);
-  return parts;
+/// Names stand in tables and file names.
+constexpr const char* kPlainName = "expected a name of letters, digits, '_', '-' and '.'";
+bool is_plain(const std::string& name) {
+  return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
+    return (c < 0x80 && std::isalnum(c) != 0) || c == '_' || c == '-' || c == '.';
+  });
 }
 
 [[noreturn]] void refuse(const FilterSpec& filter, const config::Place& place, const std::string& text) {
@@ -43,6 +43,12 @@ std::vector<std::string> choices_of(const FilterSpec& filter, const config::Entr
 }  // namespace
 
 std::string Experiment::validate() const {
+  for (const ScenarioSpec& scenario : scenarios) {
+    if (!is_plain(scenario.name)) return "scenario '" + scenario.name + "': " + kPlainName;
+  }
+  for (const FilterSpec& filter : filters) {
+    if (!is_plain(filter.name)) return "filter '" + filter.name + "': " + kPlainName;
+  }
   if (last_seed < first_seed) return "last_seed must not be below first_seed";
   if (scenarios.empty()) return "scenarios must name at least one";
   if (filters.empty()) return "filters must name at least one";
@@ -85,7 +91,8 @@ std::vector<FilterSpec> expand(std::span<const FilterSpec> families) {
 }
 
 Tree effective_config(const FilterSpec& filter) {
-  std::vector<std::string> assignments = split(filter.parameters, ';');
+  std::vector<std::string> assignments;
+  if (!filter.parameters.empty()) assignments = split(filter.parameters, ';');
   for (std::string& assignment : assignments) {
     if (assignment.starts_with("N=")) assignment.replace(0, 1, "particles");  // N is what papers call it
   }

@@ -1,0 +1,36 @@
+#pragma once
+/// The subcommands of noctule-experiment.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "experiment/experiment.hpp"
+
+namespace noctule::apps {
+
+/// Which experiment, and what differs from its file.
+struct ExperimentArguments {
+  std::string file;
+  std::string seeds;                     ///< "FIRST-LAST"; empty: the file's
+  std::vector<std::string> assignments;  ///< of --set
+};
+/// \throws InputError
+[[nodiscard]] experiment::Experiment load_experiment(const ExperimentArguments&);
+
+/// Which part of the seeds is ours.
+struct Shard {
+  std::size_t index = 0;
+  std::size_t count = 1;
+};
+/// \param text "i/n"; empty: as the job array of Slurm says, else all. \throws InputError
+[[nodiscard]] Shard parse_shard(const std::string& text);
+
+/// Runs it, or goes on with it. \return the exit code
+[[nodiscard]] int run_experiment(const ExperimentArguments&, const std::filesystem::path& out, int jobs,
+                                 const std::string& shard);
+void merge_shards(const ExperimentArguments&, const std::vector<std::filesystem::path>& shards,
+                  const std::filesystem::path& out);
+/// Prints what would run, and what of it is done in `out`.
+void list_experiment(const ExperimentArguments&, const std::filesystem::path& out);
+
+}  // namespace noctule::apps
