@@ -33,4 +33,12 @@ void merge_shards(const ExperimentArguments&, const std::vector<std::filesystem:
 /// Prints what would run, and what of it is done in `out`.
 void list_experiment(const ExperimentArguments&, const std::filesystem::path& out);
 
+/// Writes report.html and what belongs to it.
+void report_experiment(const std::filesystem::path& directory);
+
+/// `FOLDER`, `FILTER`, `FILTER:PARAMETERS` or `FOLDER:FILTER:PARAMETERS`, without a folder in `folder`. Prints the
+/// paired differences. \param csv file to write them to; may be empty
+void compare_results(const std::string& a, const std::string& b, const std::filesystem::path& folder,
+                     const std::filesystem::path& csv);
+
 }  // namespace noctule::apps

@@ -28,6 +28,8 @@ int main(int argc, char** argv) {
   apps::ExperimentArguments arguments;
   std::string shard;
   fs::path out = "results/experiment", listed;
+  std::string a, b;
+  fs::path csv;
   int jobs = 1;
   std::vector<fs::path> shards;
 
@@ -48,6 +50,15 @@ int main(int argc, char** argv) {
   add_experiment(*list, arguments);
   list->add_option("--out", listed, "folder of results: print what is done there");
 
+  CLI::App* report = app.add_subcommand("report", "write report.html, tables.tex, comparisons.csv and figures");
+  report->add_option("DIR", out, "folder of results")->required();
+
+  CLI::App* compare = app.add_subcommand("compare", "print paired differences of two filters, or of two folders");
+  compare->add_option("A", a, "FOLDER, FILTER, FILTER:PARAMETERS or FOLDER:FILTER:PARAMETERS")->required();
+  compare->add_option("B", b, "the same, to compare with")->required();
+  compare->add_option("--in", out, "folder of those that name none")->capture_default_str();
+  compare->add_option("--csv", csv, "write them to this file too");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -58,6 +69,8 @@ int main(int argc, char** argv) {
   return apps::run_guarded("noctule-experiment", [&] {
     if (run->parsed()) return apps::run_experiment(arguments, out, jobs, shard);
     if (merge->parsed()) apps::merge_shards(arguments, shards, out);
+    if (report->parsed()) apps::report_experiment(out);
+    if (compare->parsed()) apps::compare_results(a, b, out, csv);
     if (list->parsed()) apps::list_experiment(arguments, listed);
     return 0;
   });

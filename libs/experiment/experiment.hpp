@@ -79,6 +79,7 @@ struct Experiment {
   std::vector<ScenarioSpec> scenarios;
   std::vector<FilterSpec> filters;
   std::vector<std::string> metrics;  ///< empty: all that the scenarios have
+  std::vector<std::string> plots;    ///< metrics that get plots in the report; empty: all
   std::vector<Reference> references;
 
   template <class Visitor>
@@ -89,6 +90,7 @@ struct Experiment {
     v.list("scenarios", &Experiment::scenarios, "where the filters run");
     v.list("filters", &Experiment::filters, "what is compared");
     v.field("metrics", &Experiment::metrics, "what is kept; empty: all");
+    v.field("plots", &Experiment::plots, "metrics that get plots in the report; empty: all");
     v.list("references", &Experiment::references, "published figures to stand beside ours");
   }
   [[nodiscard]] std::string validate() const;

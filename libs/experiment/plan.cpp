@@ -48,7 +48,9 @@ void plan_filters(const Experiment& experiment, std::vector<PlannedScenario>& sc
 }
 
 void plan_metrics(const Experiment& experiment, std::vector<PlannedScenario>& scenarios) {
-  for (const std::string& metric : experiment.metrics) {
+  std::vector<std::string> named = experiment.metrics;
+  named.insert(named.end(), experiment.plots.begin(), experiment.plots.end());
+  for (const std::string& metric : named) {
     const bool measured = std::any_of(scenarios.begin(), scenarios.end(), [&](const PlannedScenario& s) {
       return contains(s.scenario->metrics(), metric);
     });

@@ -10,7 +10,7 @@
 namespace noctule::report {
 namespace {
 
-constexpr double kWidth = 560.0, kLeft = 62.0, kRight = 548.0, kHeight = 280.0, kBelow = 46.0;
+constexpr double kWidth = 560.0, kLeft = 62.0, kRight = 548.0, kHeight = 310.0, kBelow = 46.0;
 constexpr double kLegendRow = 20.0, kSample = 30.0, kLetter = 7.2;
 constexpr const char* kSpace = " ";
 
@@ -81,7 +81,9 @@ class Drawing {
     }
     out += grid();
     for (const PlotLine& l : plot_.lines) out += line(l);
-    for (const PlotSeries& s : plot_.series) out += plot_.curves ? curve(s) : points(s);
+    for (std::size_t i = 0; i < plot_.series.size(); ++i) {
+      out += plot_.curves ? curve(plot_.series[i]) : points(plot_.series[i], plot_.dodge ? offset(i) : 0.0);
+    }
     return out + legend() + "</svg>\n";
   }
 
@@ -168,29 +170,36 @@ class Drawing {
     return out + path("line " + l.css_class, "M" + point_text(kLeft, y_.at(l.value)) + "H" + fixed(kRight, 1)) + "\n";
   }
 
-  [[nodiscard]] std::string joined(const PlotSeries& s) const {
+  /// How far aside a series is drawn.
+  [[nodiscard]] double offset(std::size_t series) const {
+    constexpr double kSpread = 24.0, kMost = 5.0;
+    const auto n = static_cast<double>(plot_.series.size());
+    return std::min(kMost, kSpread / n) * (static_cast<double>(series) - 0.5 * (n - 1.0));
+  }
+
+  [[nodiscard]] std::string joined(const PlotSeries& s, double aside = 0.0) const {
     std::string d;
     bool draw = false;
     for (const PlotPoint& p : s.points) {
       const bool drawable = x_.drawable(p.x) && y_.drawable(p.y);
-      if (drawable) d += (draw ? "L" : "M") + point_text(x_.at(p.x), y_.at(p.y));
+      if (drawable) d += (draw ? "L" : "M") + point_text(x_.at(p.x) + aside, y_.at(p.y));
       draw = drawable;
     }
     return path(line_class(s.css_class), d);
   }
 
-  [[nodiscard]] std::string points(const PlotSeries& s) const {
+  [[nodiscard]] std::string points(const PlotSeries& s, double aside) const {
     std::string marks, whiskers;
     for (const PlotPoint& p : s.points) {
       if (!x_.drawable(p.x) || !y_.drawable(p.y)) continue;
-      const double x = x_.at(p.x);
+      const double x = x_.at(p.x) + aside;
       if (finite(p.interval)) {
         const double high = y_of(p.interval.high), low = y_of(p.interval.low);
         whiskers += "M" + point_text(x, low) + "V" + fixed(high, 1) + "m-3 0h6M" + point_text(x - 3.0, low) + "h6";
       }
       marks += mark(s.css_class, x, y_.at(p.y), p.label);
     }
-    return joined(s) + path("whisker " + s.css_class, whiskers) + marks + "\n";
+    return joined(s, aside) + path("whisker " + s.css_class, whiskers) + marks + "\n";
   }
 
   [[nodiscard]] std::string curve(const PlotSeries& s) const {
