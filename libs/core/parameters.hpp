@@ -20,7 +20,7 @@
 /// };
 /// ```
 /// A visitor has `field` for bool, int, int64_t, uint64_t, double, std::string, std::filesystem::path (relative to the
-/// file that says it), Vector2, Pose2 (x, y, yaw) and std::vectors of double or Vector2, `choice` for enums, `group`
+/// file that says it), Vector2, Pose2 (x, y, yaw) and std::vectors of double, std::string or Vector2, `choice` for enums, `group`
 /// for a nested struct or a std::optional of one (absent unless the file has it) and `list` for a std::vector of
 /// structs; `one_of` for a std::variant of structs, told apart by the key `type`. `unit::one` may be left out. The key
 /// `file` is taken: it refers to another file.

@@ -80,8 +80,10 @@ TEST(Ticks, AreRoundAndInside) {
   EXPECT_EQ(t.values, (std::vector<double>{-2, 0, 2}));
   EXPECT_EQ(t.decimals, 0);
   EXPECT_EQ(linear_ticks(0, 0.1, 5).decimals, 2);
-  EXPECT_EQ(log_ticks(0.02, 150, 6), (std::vector<int>{-1, 0, 1, 2}));
-  EXPECT_EQ(log_ticks(0.1, 1e17, 6), (std::vector<int>{-1, 3, 7, 11, 15}));
+  EXPECT_EQ(log_ticks(0.02, 150, 6), (std::vector<LogTick>{{1, -1}, {1, 0}, {1, 1}, {1, 2}}));
+  EXPECT_EQ(log_ticks(0.1, 1e17, 6), (std::vector<LogTick>{{1, -1}, {1, 3}, {1, 7}, {1, 11}, {1, 15}}));
+  EXPECT_EQ(log_ticks(15, 120, 6), (std::vector<LogTick>{{2, 1}, {5, 1}, {1, 2}}));
+  EXPECT_EQ(log_ticks(0.02, 0.04, 6), (std::vector<LogTick>{{2, -2}, {3, -2}, {4, -2}}));
 }
 
 TEST(MapFigure, KeepsTheProportionsAndPutsNorthUp) {
