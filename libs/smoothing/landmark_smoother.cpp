@@ -3,8 +3,10 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <array>
+#include <limits>
+#include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "core/check.hpp"
@@ -175,39 +177,49 @@ class LandmarkProblem {
     return {static_cast<int>(summary.iterations.size()), summary.termination_type == ceres::CONVERGENCE};
   }
 
-  /// Path and map with the inverse of J'J.
-  void read(SmoothedRun& run) {
+  /// Inverse of J'J for poses 1, 2, ... and then the landmarks; nothing where it is singular.
+  std::optional<SelectedInverse> covariance() {
     ceres::Problem::EvaluateOptions order;
     order.num_threads = 1;
     for (std::size_t i = 1; i < poses_.size(); ++i) order.parameter_blocks.push_back(poses_[i].data());
     for (auto& l : landmarks_) order.parameter_blocks.push_back(l.data());
+    if (order.parameter_blocks.empty()) return SelectedInverse(Eigen::SparseMatrix<double>(0, 0));
     ceres::CRSMatrix crs;
     problem_.Evaluate(order, nullptr, nullptr, nullptr, &crs);
-    const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> j(
+    const Eigen::SparseMatrix<double> j = Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>(
         crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(), crs.cols.data(),
         crs.values.data());
-    const Eigen::SparseMatrix<double> columns = j;
-    const SelectedInverse inverse(columns.transpose() * columns);
-    const auto block = [&](int first, auto covariance) {
-      for (int r = 0; r < covariance.rows(); ++r) {
-        for (int c = 0; c < covariance.cols(); ++c) covariance(r, c) = inverse(first + r, first + c);
-      }
-      return covariance;
-    };
+    try {
+      return SelectedInverse(j.transpose() * j);
+    } catch (const std::domain_error&) {
+      return std::nullopt;
+    }
+  }
 
+  void read(SmoothedRun& run) {
+    const std::optional<SelectedInverse> inverse = covariance();
+    run.converged = run.converged && inverse;
+    const auto block = [&](std::size_t first, auto matrix) {
+      for (int r = 0; r < matrix.rows(); ++r) {
+        for (int c = 0; c < matrix.cols(); ++c) {
+          matrix(r, c) = inverse ? (*inverse)(static_cast<int>(first) + r, static_cast<int>(first) + c)
+                                 : std::numeric_limits<double>::quiet_NaN();
+        }
+      }
+      return matrix;
+    };
     for (const auto& scan : input_.scans_) {
       run.path.poses.push_back({scan.stamp.seq, scan.stamp.utime, as_pose(poses_[scan.node])});
-      run.path_covariances.push_back(scan.node == 0 ? Matrix3(Matrix3::Zero())
-                                                    : block(3 * static_cast<int>(scan.node - 1), Matrix3()));
+      run.path_covariances.push_back(scan.node == 0 ? Matrix3(Matrix3::Zero()) : block(3 * (scan.node - 1), Matrix3()));
     }
-    const int first_landmark = 3 * static_cast<int>(poses_.size() - 1);
+    std::vector<int> observations(landmarks_.size(), 0);
+    for (const auto& s : input_.sightings_) ++observations[s.landmark];
     for (const auto& [id, index] : input_.landmark_of_id_) {
       LandmarkEstimate l;
       l.id = id;
       l.parameters.head<2>() << landmarks_[index][0], landmarks_[index][1];
-      l.covariance.topLeftCorner<2, 2>() = block(first_landmark + 2 * static_cast<int>(index), Matrix2());
-      l.observations =
-          static_cast<int>(std::ranges::count(input_.sightings_, index, &LandmarkSmoother::Sighting::landmark));
+      l.covariance.topLeftCorner<2, 2>() = block(3 * (poses_.size() - 1) + 2 * index, Matrix2());
+      l.observations = observations[index];
       run.map.landmarks.push_back(l);
     }
   }

@@ -29,7 +29,7 @@ struct LandmarkSmootherParameters {
   double loss_scale = 3.0;  ///< Mahalanobis length, for huber and cauchy
   /// So many scans are added before all up to there are solved again: dead reckoning is followed no further than this
   /// without a look at the landmarks.
-  int batch = 100;
+  int batch = 50;
   int max_iterations = 200;
   double tolerance = 1e-12;  ///< converged when a step lowers the cost by less than this part of it
 
@@ -63,7 +63,8 @@ struct SmoothedRun {
 /// known. Increments between two updates are composed to one motion with first-order covariance; their likelihood is
 /// Gaussian in (x, y, yaw) of the motion, that of a sighting in (range, bearing). Deterministic, single-threaded.
 /// Covariances are those of the linearised problem at the solution (inverse of J'J; with a robust loss, of the
-/// reweighted one).
+/// reweighted one), NaN where that problem is singular. A chi2 far above dof says that the noise is not as stated, or
+/// that the solution is a false minimum.
 class LandmarkSmoother {
  public:
   /// \throws InputError for parameters out of range or a start that is not finite

@@ -7,13 +7,11 @@
 #include <vector>
 
 namespace noctule::smoothing {
-namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-}  // namespace
-
 SelectedInverse::SelectedInverse(const Sparse& information) {
+  if (information.rows() == 0) return;
   const Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> factor(information);
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) {
     throw std::domain_error("information matrix is not positive definite");

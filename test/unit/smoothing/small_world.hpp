@@ -15,8 +15,8 @@ struct SmallWorld {
   double radius = 10.0;  ///< of the circle [m]
   int scans = 60;
   int steps_per_scan = 4;
-  double step = 0.25;            ///< [m]
-  double sensor_range = 15.0;    ///< [m]
+  double step = 0.25;                       ///< [m]
+  double sensor_range = 15.0;               ///< [m]
   Vector3 odometry_sd{0.01, 0.005, 0.005};  ///< of one step
   Vector2 sighting_sd{0.1, radians(1.0)};
   double noise = 1.0;  ///< 0: the same covariances, but every value is true
@@ -53,7 +53,9 @@ inline SmallRun drive(const SmallWorld& world, std::uint64_t seed) {
       run.observations.emplace_back(o);
     }
     run.truth.push_back(pose);
-    LandmarkDetections message{.stamp = {100'000 * (scan + 1), scan}, .sensor_in_base = world.sensor_in_base};
+    LandmarkDetections message;
+    message.stamp = {100'000 * (scan + 1), scan};
+    message.sensor_in_base = world.sensor_in_base;
     for (std::size_t id = 0; id < run.landmarks.size(); ++id) {
       const Vector2 seen = inverse(pose * world.sensor_in_base) * run.landmarks[id];
       if (seen.norm() > world.sensor_range || seen.norm() < 0.5) continue;
