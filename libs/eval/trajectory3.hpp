@@ -37,8 +37,8 @@ struct PosePair3 {
   Pose3 truth;
 };
 
-/// Pairs each pose of the shorter trajectory with the nearest in time of the other one (the later of two equally near
-/// ones never), where they are at most `max_difference` [s] apart. This is what evo does.
+/// Pairs each pose of the shorter trajectory with the nearest in time of the other one (the earlier of two equally near
+/// ones), where they are at most `max_difference` [s] apart. This is what evo does.
 [[nodiscard]] std::vector<PosePair3> associate_nearest(std::span<const TimedPose3> estimate,
                                                        std::span<const TimedPose3> truth, double max_difference = 0.01);
 
