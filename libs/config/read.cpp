@@ -122,6 +122,14 @@ class Reader {
       read_number((*target)[i], field_->unit, tree.items[i], item(path, i));
   }
 
+  void read_value(std::vector<std::string>* target, const Tree& tree, const std::string& path) {
+    if (tree.kind != Tree::Kind::list) return problem(tree.place, path, "expected a list of texts", tree);
+    target->assign(tree.items.size(), "");
+    for (std::size_t i = 0; i < tree.items.size(); ++i) read_value(&(*target)[i], tree.items[i], item(path, i));
+  }
+
+  void read_value(Tree* target, const Tree& tree, const std::string&) { *target = tree; }
+
   void read_value(std::vector<Vector2>* target, const Tree& tree, const std::string& path) {
     if (tree.kind != Tree::Kind::list) return problem(tree.place, path, "expected a list of [x, y]", tree);
     target->assign(tree.items.size(), Vector2::Zero());

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "config/tree.hpp"
 #include "core/parameters.hpp"
 #include "core/pose2.hpp"
 
@@ -47,9 +48,9 @@ struct OneOf {
   std::function<Group(std::size_t)> prototype;
 };
 
-using Target =
-    std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, std::filesystem::path*, Vector2*,
-                 Pose2*, std::vector<double>*, std::vector<Vector2>*, Choice, Group, OptionalGroup, List, OneOf>;
+using Target = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*, std::filesystem::path*,
+                            Vector2*, Pose2*, std::vector<double>*, std::vector<std::string>*, std::vector<Vector2>*,
+                            Tree*, Choice, Group, OptionalGroup, List, OneOf>;
 
 struct Field {
   std::string key;
@@ -93,7 +94,7 @@ class Binder : private FieldCollector {
   void field(const char* key, Member Class::*member, const Unit& unit, const char* doc, const Range& range = {}) {
     add(key, doc, unit, range, &(object_.*member));
   }
-  /// Without a unit: texts, paths, switches.
+  /// Without a unit: texts, paths, switches, and a Tree, which takes any value as it stands: its reader comes later.
   template <class Class, class Member>
   void field(const char* key, Member Class::*member, const char* doc) {
     add(key, doc, &(object_.*member));

@@ -243,6 +243,10 @@ Tree load_tree(const std::filesystem::path& file, std::span<const std::string> a
   return finish(parse_file(file, ""), assignments);
 }
 
+Tree override_tree(Tree tree, std::span<const std::string> assignments) {
+  return finish(std::move(tree), assignments);
+}
+
 Tree parse_tree(std::string_view text, const std::string& name, std::span<const std::string> assignments) {
   return finish(parse_text(text, std::make_shared<const Source>(Source{name, {}})), assignments);
 }

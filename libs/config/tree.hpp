@@ -43,6 +43,9 @@ struct Entry {
 /// \throws InputError where a file is missing, unreadable, not YAML, or an assignment cannot be understood
 [[nodiscard]] Tree load_tree(const std::filesystem::path& file, std::span<const std::string> assignments = {});
 
+/// The same assignments on a tree that was read before (its references are resolved).
+[[nodiscard]] Tree override_tree(Tree tree, std::span<const std::string> assignments);
+
 /// The same for a text; `name` stands for the file in messages.
 [[nodiscard]] Tree parse_tree(std::string_view text, const std::string& name,
                               std::span<const std::string> assignments = {});

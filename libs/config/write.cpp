@@ -12,10 +12,11 @@ namespace {
 
 constexpr double kDegree = unit::degree.to_si;
 
-std::string quoted(const std::string& text) {
+/// \param plain_allowed without quotes where nothing is lost by it
+std::string quoted(const std::string& text, bool plain_allowed = true) {
   static constexpr std::array kReserved{"null", "Null", "NULL"};
   const bool plain =
-      !text.empty() && std::isalpha(static_cast<unsigned char>(text.front())) != 0 &&
+      plain_allowed && !text.empty() && std::isalpha(static_cast<unsigned char>(text.front())) != 0 &&
       std::ranges::all_of(text,
                           [](unsigned char c) {
                             return c < 0x80 && (std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.' || c == '/');
@@ -40,6 +41,35 @@ std::string flow(const Vector2& v, const Unit& unit) {
   return "[" + print_number(v.x(), unit.to_si) + ", " + print_number(v.y(), unit.to_si) + "]";
 }
 
+/// A tree on one line.
+std::string flow(const Tree& tree) {
+  std::string out;
+  switch (tree.kind) {
+    case Tree::Kind::nothing:
+      return "null";
+    case Tree::Kind::scalar:
+      return !tree.quoted && parse_number(tree.text, 1.0) ? tree.text : quoted(tree.text, !tree.quoted);
+    case Tree::Kind::list:
+      for (const Tree& item : tree.items) out += (out.empty() ? "" : ", ") + flow(item);
+      return "[" + out + "]";
+    case Tree::Kind::map:
+      break;
+  }
+  for (const Entry& entry : tree.entries) {
+    out += (out.empty() ? "" : ", ") + quoted(entry.key) + ": " + flow(entry.value);
+  }
+  return "{" + out + "}";
+}
+
+/// The entries of a map, one a line.
+void write_block(const Tree& map, std::size_t indent, std::string& out) {
+  for (const Entry& entry : map.entries) {
+    const bool nested = !entry.value.entries.empty();
+    out += std::string(indent, ' ') + quoted(entry.key) + ":" + (nested ? "" : " " + flow(entry.value)) + "\n";
+    if (nested) write_block(entry.value, indent + 2, out);
+  }
+}
+
 /// The value of a leaf on one line.
 struct Leaf {
   const Unit& unit;
@@ -59,6 +89,10 @@ struct Leaf {
   std::string operator()(const std::vector<double>* v) const {
     return join(*v, [&](double x) { return print_number(x, unit.to_si); });
   }
+  std::string operator()(const std::vector<std::string>* v) const {
+    return join(*v, [](const std::string& text) { return quoted(text); });
+  }
+  std::string operator()(const Tree* v) const { return v->entries.empty() ? flow(*v) : ""; }
   std::string operator()(const std::vector<Vector2>* v) const {
     return join(*v, [&](const Vector2& x) { return flow(x, unit); });
   }
@@ -102,6 +136,7 @@ void write_group(const Group& group, std::size_t indent, std::string first_prefi
     out += (first_prefix.empty() ? prefix : std::exchange(first_prefix, "")) + field.key + ":" +
            (value.empty() ? "" : " " + value) + comment(field) + "\n";
     if (const auto* nested = std::get_if<Group>(&field.target)) write_group(*nested, indent + 2, "", out);
+    if (const auto* tree = std::get_if<Tree*>(&field.target)) write_block(**tree, indent + 2, out);
     if (const auto* one = std::get_if<OneOf>(&field.target)) {
       write_group(one->value(one->index()), indent + 2, "", out);
     }

@@ -1,22 +1,18 @@
 #include "experiment/contour_room.hpp"
 
-#include <ctime>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "config/config.hpp"
-#include "core/error.hpp"
 #include "eval/contour_error.hpp"
 #include "eval/trajectory.hpp"
 #include "filters/slam/particle_slam.hpp"
+#include "sim/room_geometry.hpp"
 #include "sim/simulator.hpp"
 
 namespace noctule::experiment {
 namespace {
-
-constexpr const char* kFilters = "pf, known_pose, dead_reckoning";
 
 /// What every filter is fed: one stop of the robot.
 struct Stop {
@@ -94,19 +90,11 @@ Result filter(const Stream& stream, const filters::ParticleSlamParameters& param
   return result;
 }
 
-/// CPU seconds of this thread.
-double cpu_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-/// More than 3 m and more than 10 % of the path off at the end, or not a number.
 bool diverged(const Result& result, const Stream& stream) {
   if (result.online.empty()) return true;
   const Pose2& last = result.online.back();
-  const double error = (last.position() - stream.stops.back().truth.position()).norm();
-  return !last.finite() || error > std::max(3.0, 0.1 * stream.path_length);
+  return !last.finite() ||
+         has_diverged((last.position() - stream.stops.back().truth.position()).norm(), stream.path_length);
 }
 
 std::vector<eval::Metric> figures(const Result& result, const Stream& stream, const mapping::MapperParameters& mapper) {
@@ -128,44 +116,46 @@ std::vector<eval::Metric> figures(const Result& result, const Stream& stream, co
 }
 
 filters::ParticleSlamParameters parameters_of(const FilterSpec& spec) {
-  if (spec.config.empty()) throw InputError("filter '" + spec.name + "': config: expected a file, got nothing");
-  return config::load<filters::ParticleSlamParameters>(spec.config, assignments(spec));
+  return config::load<filters::ParticleSlamParameters>(effective_config(spec));
 }
 
 }  // namespace
 
-ContourRoom::ContourRoom(const ScenarioSpec& spec)
-    : name_(spec.name),
-      world_(config::load<sim::WorldParameters>(spec.world)),
-      robot_(config::load<sim::RobotParameters>(spec.robot)) {}
+ContourRoom::ContourRoom(const ScenarioSpec& spec) : parameters_(config::load<ContourRoomParameters>(spec.config)) {}
 
-void ContourRoom::check(std::span<const FilterSpec> filters) const {
-  for (const FilterSpec& spec : filters) {
-    if (spec.name == "pf") {
-      static_cast<void>(parameters_of(spec));
-    } else if (spec.name != "known_pose" && spec.name != "dead_reckoning") {
-      throw InputError("scenario '" + name_ + "' cannot take filter '" + spec.name + "'; it knows: " + kFilters);
-    }
-  }
+std::vector<std::string> ContourRoom::filters() const {
+  return {"pf", "known_pose", "dead_reckoning"};
 }
 
-RunRows ContourRoom::run(std::uint64_t seed, std::span<const FilterSpec> filters) const {
-  const Stream stream = record(world_, robot_, extractor_, seed);
-  RunRows rows;
+std::vector<std::string> ContourRoom::metrics() const {
+  const Room room = sim::RoomGeometry(parameters_.world.room).known_room();
+  std::vector<std::string> names;
+  for (const eval::Metric& m : eval::contour_metrics(eval::contour_errors({}, room))) {
+    names.push_back(m.name);
+  }
+  names.insert(names.end(), {"complete", "position_rmse", "heading_rmse", "nees_mean"});
+  return names;
+}
+
+void ContourRoom::check(const FilterSpec& filter) const {
+  if (filter.name == "pf") static_cast<void>(parameters_of(filter));
+}
+
+std::vector<FilterRun> ContourRoom::run(std::uint64_t seed, std::span<const FilterSpec> filters) const {
+  const Stream stream = record(parameters_.world, parameters_.robot, parameters_.extractor, seed);
+  std::vector<FilterRun> runs;
   for (const FilterSpec& spec : filters) {
     const double begin = cpu_seconds();
     const Result result = spec.name == "known_pose"       ? true_path(stream)
                           : spec.name == "dead_reckoning" ? dead_reckon(stream)
                                                           : filter(stream, parameters_of(spec), seed);
     const double filter_time = cpu_seconds() - begin;
-    const bool bad = diverged(result, stream);
-    for (const eval::Metric& m : figures(result, stream, mapper_)) {
-      rows.figures.push_back({name_, spec.name, spec.parameters, seed, m.name, m.unit, m.value, bad});
-    }
-    rows.timings.push_back({name_, spec.name, spec.parameters, seed, "cpu_per_scan", "s",
-                            filter_time / static_cast<double>(stream.stops.size()), bad});
+    runs.push_back({.figures = figures(result, stream, parameters_.mapper),
+                    .timings = {{"cpu_per_scan", filter_time / static_cast<double>(stream.stops.size()), "s"}},
+                    .series = {},
+                    .diverged = diverged(result, stream)});
   }
-  return rows;
+  return runs;
 }
 
 }  // namespace noctule::experiment

@@ -11,20 +11,33 @@
 
 namespace noctule::experiment {
 
+struct ContourRoomParameters {
+  sim::WorldParameters world;
+  sim::RobotParameters robot;
+  sensors::ExtractorParameters extractor;
+  mapping::MapperParameters mapper;
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.group("world", &ContourRoomParameters::world, "room and way");
+    v.group("robot", &ContourRoomParameters::robot, "drive and sensors");
+    v.group("extractor", &ContourRoomParameters::extractor, "contour features from three positions");
+    v.group("mapper", &ContourRoomParameters::mapper, "the batch mapper that judges every filter's path");
+  }
+};
+
 /// Filters: `pf` (particle SLAM), `known_pose` (mapping along the true path, the limit) and `dead_reckoning`. All are
 /// mapped by the same batch mapper from the same scans.
 class ContourRoom : public Scenario {
  public:
   explicit ContourRoom(const ScenarioSpec&);
-  void check(std::span<const FilterSpec>) const override;
-  [[nodiscard]] RunRows run(std::uint64_t seed, std::span<const FilterSpec>) const override;
+  [[nodiscard]] std::vector<std::string> filters() const override;
+  [[nodiscard]] std::vector<std::string> metrics() const override;
+  void check(const FilterSpec&) const override;
+  [[nodiscard]] std::vector<FilterRun> run(std::uint64_t seed, std::span<const FilterSpec>) const override;
 
  private:
-  std::string name_;
-  sim::WorldParameters world_;
-  sim::RobotParameters robot_;
-  sensors::ExtractorParameters extractor_;
-  mapping::MapperParameters mapper_;
+  ContourRoomParameters parameters_;
 };
 
 }  // namespace noctule::experiment

@@ -3,9 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "eval/metrics.hpp"
+
 namespace noctule::experiment {
 
-/// One figure of one run.
+/// One figure of one run; a line of runs.csv.
 struct Row {
   std::string scenario;
   std::string filter;
@@ -17,11 +19,20 @@ struct Row {
   bool diverged = false;  ///< of the run
 };
 
-/// What one seed of one scenario yields for all filters: the figures that depend on the numbers alone, and apart from
-/// them those that depend on the machine.
-struct RunRows {
-  std::vector<Row> figures;
-  std::vector<Row> timings;
+/// A metric over time: the same times for every seed and filter of a scenario.
+struct Series {
+  std::string metric;
+  std::string unit;            ///< SI
+  std::vector<double> time;    ///< [s], increasing
+  std::vector<double> values;  ///< one per time; NaN: could not be measured then
+};
+
+/// What one filter made of one seed.
+struct FilterRun {
+  std::vector<eval::Metric> figures;  ///< depend on seed and parameters alone: no time of computing among them
+  std::vector<eval::Metric> timings;  ///< depend on the machine: `cpu_per_scan`, `peak_memory` ...
+  std::vector<Series> series;         ///< for plots against time; may be empty
+  bool diverged = false;
 };
 
 }  // namespace noctule::experiment

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "report/axis.hpp"
 #include "report/text.hpp"
-#include "report/ticks.hpp"
 
 namespace noctule::report {
 namespace {
@@ -15,73 +15,31 @@ constexpr PlotArea kPlot{52.0, kWidth - 10.0, 10.0, kHeight - 26.0, kWidth, kHei
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// Maps time and value to the drawing.
-class Axes {
- public:
-  explicit Axes(const Chart& chart) : logarithmic_(chart.logarithmic) {
-    if (!chart.time.empty()) {
-      t_low_ = chart.time.front();
-      t_high_ = std::max(chart.time.back(), t_low_ + 1e-6);
+struct Axes {
+  explicit Axes(const Chart& chart)
+      : time(chart.time.empty() ? 0.0 : chart.time.front(),
+             chart.time.empty() ? 1.0 : std::max(chart.time.back(), chart.time.front() + 1e-6), false, kPlot.left,
+             kPlot.right),
+        value(values_of(chart), chart.logarithmic, kPlot.bottom, kPlot.top) {}
+
+  [[nodiscard]] static ValueRange values_of(const Chart& chart) {
+    ValueRange range(chart.logarithmic);
+    for (const ChartSeries& s : chart.series) {
+      for (const double v : s.values) range.include(v);
     }
-    double low = kInf, high = -kInf;
-    const auto include = [&](double v) {
-      if (!std::isfinite(v) || (logarithmic_ && v <= 0.0)) return;
-      low = std::min(low, v);
-      high = std::max(high, v);
-    };
-    for (const ChartSeries& s : chart.series) std::for_each(s.values.begin(), s.values.end(), include);
     for (const double half : chart.band) {
-      include(half);
-      include(-half);
+      range.include(half);
+      range.include(-half);
     }
-    for (const ChartReference& r : chart.references) include(r.value);
-    if (chart.from_zero) include(0.0);
-    if (low > high) low = logarithmic_ ? 0.1 : -1.0, high = 1.0;
-    if (logarithmic_) {
-      low_ = std::log10(low) - 0.05;
-      high_ = std::log10(high) + 0.05;
-    } else {
-      const double pad = high > low ? 0.06 * (high - low) : 0.5;
-      low_ = chart.from_zero ? low : low - pad;
-      high_ = high + pad;
-    }
+    for (const ChartReference& r : chart.references) range.include(r.value);
+    if (chart.from_zero) range.include(0.0);
+    return range;
   }
+  [[nodiscard]] double x(double t) const { return time.at(t); }
+  [[nodiscard]] double y(double v) const { return value.at(v); }
+  [[nodiscard]] bool drawable(double v) const { return value.drawable(v); }
 
-  [[nodiscard]] double x(double t) const {
-    return kPlot.left + (t - t_low_) / (t_high_ - t_low_) * (kPlot.right - kPlot.left);
-  }
-  [[nodiscard]] double y(double value) const {
-    const double v = logarithmic_ ? std::log10(value) : value;
-    return kPlot.bottom - (v - low_) / (high_ - low_) * (kPlot.bottom - kPlot.top);
-  }
-  [[nodiscard]] bool drawable(double value) const { return std::isfinite(value) && (!logarithmic_ || value > 0.0); }
-  struct ValueTick {
-    double value;
-    std::string label;
-  };
-  [[nodiscard]] std::vector<ValueTick> value_ticks() const {
-    constexpr int kMost = 6;
-    std::vector<ValueTick> ticks;
-    if (logarithmic_) {
-      for (const int k : log_ticks(std::pow(10.0, low_), std::pow(10.0, high_), kMost)) {
-        const double value = std::pow(10.0, k);
-        ticks.push_back({value, std::abs(k) > 3 ? power_of_ten(k) : fixed(value, std::max(0, -k))});
-      }
-      return ticks;
-    }
-    const Ticks linear = linear_ticks(low_, high_, kMost);
-    for (const double v : linear.values) ticks.push_back({v, aligned(v, linear.decimals)});
-    return ticks;
-  }
-  /// None at the end of the axis: there stands the unit.
-  [[nodiscard]] Ticks time_ticks() const {
-    Ticks ticks = linear_ticks(t_low_, t_high_, 7);
-    if (!ticks.values.empty() && x(ticks.values.back()) > kPlot.right - 25.0) ticks.values.pop_back();
-    return ticks;
-  }
-
- private:
-  bool logarithmic_;
-  double t_low_ = 0.0, t_high_ = 1.0, low_ = 0.0, high_ = 1.0;
+  Axis time, value;
 };
 
 std::string point_text(double x, double y) {
@@ -146,14 +104,14 @@ std::string text_at(const char* css_class, double x, double y, const std::string
 
 std::string grid(const Axes& axes) {
   std::string lines = "<path class=\"grid\" d=\"", labels;
-  for (const auto& [value, label] : axes.value_ticks()) {
+  for (const auto& [value, label] : axes.value.ticks(6)) {
     lines += "M" + point_text(kPlot.left, axes.y(value)) + "H" + fixed(kPlot.right, 1);
     labels += text_at("tick-y", kPlot.left - 7.0, axes.y(value) + 4.0, label);
   }
-  const Ticks times = axes.time_ticks();
-  for (const double t : times.values) {
+  for (const auto& [t, label] : axes.time.ticks(7)) {
+    if (axes.x(t) > kPlot.right - 25.0) continue;  // there stands the unit
     lines += "M" + point_text(axes.x(t), kPlot.bottom) + "v4";
-    labels += text_at("tick-x", axes.x(t), kPlot.bottom + 17.0, fixed(t, times.decimals));
+    labels += text_at("tick-x", axes.x(t), kPlot.bottom + 17.0, label);
   }
   labels += text_at("tick-x", kPlot.right - 2.0, kPlot.bottom + 17.0, "s");
   return lines + "\"/>" + labels;

@@ -3,15 +3,29 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <random>
+#include <string>
 
 #include "core/error.hpp"
 #include "report/results.hpp"
 
 namespace noctule::report {
 namespace fs = std::filesystem;
+namespace {
+
+/// Of this process: others may write the same file, on other machines too.
+const std::string& unique_suffix() {
+  static const std::string suffix = [] {
+    std::random_device device;
+    return "." + std::to_string(device()) + std::to_string(device()) + ".partial";
+  }();
+  return suffix;
+}
+
+}  // namespace
 
 void write_file(const fs::path& path, std::string_view content) {
-  const fs::path partial = path.parent_path() / ("." + path.filename().string() + ".partial");
+  const fs::path partial = path.parent_path() / ("." + path.filename().string() + unique_suffix());
   errno = 0;
   std::ofstream file(partial, std::ios::binary | std::ios::trunc);
   file.write(content.data(), static_cast<std::streamsize>(content.size()));

@@ -2,6 +2,7 @@
 
 #include "eval/published_contours.hpp"
 #include "report/assets.hpp"
+#include "report/document.hpp"
 #include "report/json.hpp"
 #include "report/key_figures.hpp"
 #include "report/run_charts.hpp"
@@ -11,12 +12,6 @@
 
 namespace noctule::report {
 namespace {
-
-std::string section(const std::string& heading, const std::string& lead, const std::string& content) {
-  if (content.empty()) return {};
-  return "<section>\n<h2>" + heading + "</h2>\n" + (lead.empty() ? "" : "<p class=\"lead\">" + lead + "</p>\n") +
-         content + "</section>\n";
-}
 
 std::string plan(const std::string& css_class, const std::string& heading, const std::string& toggles,
                  const std::string& svg) {
@@ -43,18 +38,14 @@ bool knows_world(const RunData& data) {
 }
 
 std::string header(const RunData& data) {
-  std::string facts;
-  const auto fact = [&](const std::string& name, const std::string& value) {
-    if (!value.empty()) facts += "<div><dt>" + name + "</dt><dd>" + escape(value) + "</dd></div>\n";
-  };
-  fact("World", data.world.name);
-  fact("Seed", std::to_string(data.seed));
-  if (data.duration > 0.0) fact("Duration", printed_duration(data.duration));
-  if (const auto length = find_metric(data.metrics, "path_length")) fact("Path", fixed(*length, 1) + " m");
-  if (!data.estimates.empty()) fact("Particles", std::to_string(data.estimates.back().particles));
-  fact("Version", data.version);
-  return "<header><p class=\"eyebrow\">Noctule run report</p>\n<h1>" + escape(data.title) +
-         "</h1>\n<dl class=\"facts\">\n" + facts + "</dl></header>\n";
+  const auto length = find_metric(data.metrics, "path_length");
+  return page_header("Noctule run report", data.title,
+                     {{"World", data.world.name},
+                      {"Seed", std::to_string(data.seed)},
+                      {"Duration", data.duration > 0.0 ? printed_duration(data.duration) : ""},
+                      {"Path", length ? fixed(*length, 1) + " m" : ""},
+                      {"Particles", data.estimates.empty() ? "" : std::to_string(data.estimates.back().particles)},
+                      {"Version", data.version}});
 }
 
 std::string sentences(const std::vector<std::string>& texts, const char* css_class, const char* label) {
@@ -140,10 +131,7 @@ std::string contour_section(const RunData& data) {
 
 std::string run_section(const RunData& data) {
   std::string beside = timing_table(data);
-  if (!data.config_yaml.empty()) {
-    beside +=
-        "<details><summary>Effective configuration</summary><pre>" + escape(data.config_yaml) + "</pre></details>\n";
-  }
+  if (!data.config_yaml.empty()) beside += folded("Effective configuration", data.config_yaml);
   const std::string metrics = metric_table(data), modules = module_table(data);
   if (metrics.empty() && beside.empty() && modules.empty()) return {};
   return section("The run in figures", "",
@@ -165,14 +153,12 @@ std::string page(const RunData& data) {
                     "filter believes.",
                     health) +
       run_section(data);
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
-         escape(data.title) + " \xC2\xB7 Noctule</title>\n<style>\n" + kFigureStyle + kPageStyle +
-         "</style>\n</head>\n<body>\n" + header(data) + "<main>\n" + sentences(data.warnings, "warnings", "Warnings") +
-         (body.empty() ? "<p class=\"lead\">The run ended before anything was measured.</p>\n" : body) +
-         sentences(data.notes, "notes", "Notes") + "</main>\n<script type=\"application/json\" id=\"run-data\">" +
-         page_json(data, all) + "</script>\n<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";
+  return document(data.title, header(data),
+                  sentences(data.warnings, "warnings", "Warnings") +
+                      (body.empty() ? "<p class=\"lead\">The run ended before anything was measured.</p>\n" : body) +
+                      sentences(data.notes, "notes", "Notes"),
+                  "<script type=\"application/json\" id=\"run-data\">" + page_json(data, all) +
+                      "</script>\n<script>\n" + kPageScript + "</script>\n");
 }
 
 }  // namespace noctule::report

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 namespace noctule::report {
 
@@ -23,13 +24,29 @@ Ticks linear_ticks(double low, double high, int count) {
   return ticks;
 }
 
-std::vector<int> log_ticks(double low, double high, int count) {
-  const int first = static_cast<int>(std::ceil(std::log10(low) - 1e-9));
-  const int last = static_cast<int>(std::floor(std::log10(high) + 1e-9));
-  const int step = std::max(1, static_cast<int>(std::ceil(static_cast<double>(last - first + 1) / count)));
-  std::vector<int> exponents;
-  for (int k = first; k <= last; k += step) exponents.push_back(k);
-  return exponents;
+std::vector<LogTick> log_ticks(double low, double high, int count) {
+  const auto multiples = [&](std::initializer_list<int> digits) {
+    std::vector<LogTick> ticks;
+    const int first = static_cast<int>(std::floor(std::log10(low) + 1e-9)),
+              last = static_cast<int>(std::log10(high)) + 1;
+    for (int k = first; k <= last; ++k) {
+      for (const int digit : digits) {
+        const double value = digit * std::pow(10.0, k);
+        if (value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9)) ticks.push_back({digit, k});
+      }
+    }
+    return ticks;
+  };
+  constexpr std::size_t kFewest = 3;
+  std::vector<LogTick> ticks = multiples({1});
+  if (ticks.size() >= kFewest) {
+    const std::size_t step = (ticks.size() + static_cast<std::size_t>(count) - 1) / static_cast<std::size_t>(count);
+    std::vector<LogTick> sparse;
+    for (std::size_t i = 0; i < ticks.size(); i += step) sparse.push_back(ticks[i]);
+    return sparse;
+  }
+  ticks = multiples({1, 2, 5});
+  return ticks.size() >= kFewest ? ticks : multiples({1, 2, 3, 4, 5, 6, 7, 8, 9});
 }
 
 }  // namespace noctule::report

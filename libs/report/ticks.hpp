@@ -13,7 +13,14 @@ struct Ticks {
 };
 [[nodiscard]] Ticks linear_ticks(double low, double high, int count);
 
-/// Exponents of powers of ten within [low, high], both positive; about `count` of them.
-[[nodiscard]] std::vector<int> log_ticks(double low, double high, int count);
+/// `digit` times ten to the `exponent`.
+struct LogTick {
+  int digit = 1;
+  int exponent = 0;
+  friend bool operator==(const LogTick&, const LogTick&) = default;
+};
+/// Powers of ten within [low, high], both positive, about `count` of them; where there are fewer than three, their
+/// multiples by 2 and 5 too, or by all digits.
+[[nodiscard]] std::vector<LogTick> log_ticks(double low, double high, int count);
 
 }  // namespace noctule::report

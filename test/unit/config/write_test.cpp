@@ -47,6 +47,7 @@ struct Everything {
   Vector2 point = Vector2::Zero();
   std::vector<double> angles;
   std::vector<Vector2> points;
+  std::vector<std::string> names;
   std::vector<Item> items;
   Item one;
   std::optional<Item> maybe;
@@ -67,6 +68,7 @@ struct Everything {
     v.field("point_cm", &Everything::point, unit::centimetre, "a point");
     v.field("angles_deg", &Everything::angles, unit::degree, "angles");
     v.field("points_m", &Everything::points, unit::metre, "points");
+    v.field("names", &Everything::names, "texts");
     v.list("items", &Everything::items, "items");
     v.group("one", &Everything::one, "one item");
     v.group("maybe", &Everything::maybe, "an item or none");
@@ -106,6 +108,7 @@ Everything any_value(std::uint64_t seed) {
   e.point = {rng.normal(), any_double(rng)};
   for (std::uint64_t i = rng.index(4); i > 0; --i) e.angles.push_back(rng.uniform(-kPi, kPi));
   for (std::uint64_t i = rng.index(4); i > 0; --i) e.points.emplace_back(rng.normal(), any_double(rng));
+  for (std::uint64_t i = rng.index(4); i > 0; --i) e.names.push_back(any_text(rng));
   for (std::uint64_t i = rng.index(4); i > 0; --i) e.items.push_back(any_item(rng));
   e.one = any_item(rng);
   if (rng.index(2) == 1) e.maybe = any_item(rng);
@@ -120,6 +123,39 @@ TEST(Write, LoadOfDumpHasTheSameBits) {
     ASSERT_EQ(parse<Everything>(text), value) << text;
     ASSERT_EQ(dump(parse<Everything>(text)), text);
   }
+}
+
+/// Takes a value as it stands, for a reader that comes later.
+struct Deferred {
+  Tree value;
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    v.field("value", &Deferred::value, "anything");
+  }
+};
+
+TEST(Write, TreesCarryEveryValueToALaterReader) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const Everything value = any_value(seed);
+    const std::string text = dump(Deferred{parse_tree(dump(value), "text")});
+    const auto again = parse<Deferred>(text);
+    ASSERT_EQ(load<Everything>(again.value), value) << text;
+    ASSERT_EQ(dump(again), text);
+  }
+  EXPECT_EQ(dump(Deferred{}), "value: null  # anything\n");
+}
+
+TEST(Write, TreesKeepTextsInQuotesApartFromNumbersAndSwitches) {
+  const std::string text = "value:  # anything\n  a: \"1\"\n  b: 1\n  c: \"true\"\n  d: true\n  e: [a, \"b c\", {}]\n";
+  EXPECT_EQ(dump(parse<Deferred>(text)), text);
+}
+
+TEST(Write, TreesAreOverriddenInPlace) {
+  const std::vector<std::string> assignments{"count=5", "items[0].name=x"};
+  const Tree tree = parse_tree("{count: 1, items: [{name: a}]}", "text");
+  const auto value = load<Everything>(override_tree(tree, assignments));
+  EXPECT_EQ(value.count, 5);
+  EXPECT_EQ(value.items.at(0).name, "x");
 }
 
 TEST(Write, EveryDoubleSurvivesEveryUnit) {
