@@ -34,7 +34,7 @@ std::optional<Object> Competition::refined(const Reflector& start) const {
   EchoFit fit{start, 1.0};
   for (int i = 0; i < kRefinements; ++i) {
     const std::vector<int> members = supporters(fit, i == 0 ? kPeakWindow : 0.0);
-    if (static_cast<int>(members.size()) < parameters_.support.min_readings) return {};
+    if (static_cast<int>(members.size()) < parameters_.support.enough(start.is_wall())) return {};
     const auto next = fit_echoes(fit, arcs_, members, parameters_.robust, kRough);
     if (!next) return {};
     fit = *next;
@@ -50,6 +50,7 @@ std::optional<Object> Competition::refined(const Reflector& start) const {
 
 std::optional<Object> Competition::refined_round(const Cylinder& start) const {
   auto object = refined(Reflector(Cylinder{start.centre, std::max(start.radius, parameters_.hough.radius_bin)}));
+  if (!object && start.radius > 0.0) return {};
   if (!object) return refined(Reflector(Cylinder{start.centre, 0.0}));
   const EchoFit simple = simplest(object->fit, object->members);
   if (simple.reflector.type() == object->fit.reflector.type()) return object;
@@ -80,7 +81,7 @@ EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) 
   double most = -std::numeric_limits<double>::infinity();
   for (const Reflector& start : {Reflector(Cylinder{c.centre, 0.0}), Reflector(tangent),
                                  Reflector(Cylinder{c.centre, std::max(c.radius, need.min_radius)})}) {
-    const auto candidate = fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kFine);
+    const auto candidate = fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kRough);
     if (!candidate) continue;
     double likelihood = log_likelihood(*candidate, members);
     if (start.type() == ContourType::arc) {
@@ -92,7 +93,7 @@ EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) 
     best = *candidate;
     most = likelihood;
   }
-  return best;
+  return refitted({best.reflector, 1.0}, members);
 }
 
 std::optional<Object> Competition::best_wall() {
@@ -128,19 +129,16 @@ void Competition::accept(Object object) {
   for (std::size_t i = 0; i < arcs_.size(); ++i) {
     explained_[i] = std::max(explained_[i], model_.log_likelihood(object.fit, arcs_[i]));
   }
-  for (const int i : object.members) {
-    set_owner(i, id);
-    cast(i, -1.0);
-  }
+  for (const int i : object.members) set_owner(i, id);
   objects_.push_back(std::move(object));
 }
 
 bool Competition::grow() {
   if (arcs_.empty()) return false;
-  update_votes();
   const std::size_t before = objects_.size();
   std::optional<Object> wall, round;
   while (true) {
+    update_votes();
     if (!wall || !still_worth(*wall)) wall = best_wall();
     if (!round || !still_worth(*round)) round = best_round();
     if (!wall && !round) return objects_.size() > before;

@@ -27,17 +27,17 @@ Competition::Competition(const MapperParameters& parameters, const Extent& exten
       lines_(parameters.hough, extent_, LineVotes::Normals::directed),
       circles_(parameters.hough, extent_) {}
 
-void Competition::cast(int slot, double weight) {
+void Competition::cast(int slot, bool votes) {
   const auto i = static_cast<std::size_t>(slot);
-  const char now = weight > 0.0 ? 1 : 0;
-  if (votes_[i] == now) return;
-  votes_[i] = now;
-  lines_.vote(arcs_[i], weight);
-  circles_.vote(arcs_[i], weight);
+  if ((votes_[i] != 0) == votes) return;
+  votes_[i] = votes ? 1 : 0;
+  lines_.vote(arcs_[i], votes ? 1.0 : -1.0);
+  circles_.vote(arcs_[i], votes ? 1.0 : -1.0);
 }
 
+/// The echoes that belong to no object vote, and no others.
 void Competition::update_votes() {
-  for (std::size_t i = 0; i < arcs_.size(); ++i) cast(static_cast<int>(i), owner_[i] == kNobody ? 1.0 : -1.0);
+  for (std::size_t i = 0; i < arcs_.size(); ++i) cast(static_cast<int>(i), owner_[i] == kNobody);
 }
 
 void Competition::set_owner(int slot, int owner) {
@@ -55,7 +55,6 @@ void Competition::cover() {
   lines_ = LineVotes(parameters_.hough, extent_, LineVotes::Normals::directed);
   circles_ = CircleVotes(parameters_.hough, extent_);
   std::fill(votes_.begin(), votes_.end(), char{0});
-  update_votes();
 }
 
 void Competition::allow_all() {
@@ -65,7 +64,7 @@ void Competition::allow_all() {
 
 void Competition::remove(int slot) {
   const auto i = static_cast<std::size_t>(slot);
-  cast(slot, -1.0);
+  cast(slot, false);
   if (owner_[i] == kNobody) return;
   std::erase(objects_[static_cast<std::size_t>(owner_[i])].members, slot);
   set_owner(slot, kNobody);
@@ -104,10 +103,8 @@ void Competition::claim(int slot) {
       object.members.push_back(slot);
       object.has_news = true;
       set_owner(slot, owner);
-      return;
     }
   }
-  cast(slot, 1.0);
 }
 
 void Competition::share_out() {
@@ -237,20 +234,23 @@ bool Competition::drop_weakest() {
 }
 
 void Competition::settle() {
+  share_out();
   bool kinds_are_open = true;
   for (int round = 0; round < kSettleRounds; ++round) {
-    share_out();
     for (Object& object : objects_) {
       const EchoFit start{object.fit.reflector, 1.0};
       object.fit = kinds_are_open ? simplest(start, object.members) : refitted(start, object.members);
     }
     kinds_are_open = merge_two();
-    if (kinds_are_open) continue;
     share_out();
+    if (kinds_are_open) continue;
     kinds_are_open = drop_weakest();
-    if (!kinds_are_open && round > 0) break;
+    if (kinds_are_open) {
+      share_out();
+    } else if (round > 0) {
+      break;
+    }
   }
-  share_out();
   for (Object& object : objects_) object.has_news = false;
   allow_all();
 }

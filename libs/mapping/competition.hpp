@@ -35,7 +35,7 @@ class Competition {
   Competition(const MapperParameters& parameters, const Extent& extent);
 
   /// Puts an echo into a slot: the one after the last, or an old one, whose echo is forgotten. The objects may take it
-  /// as a member; else it votes.
+  /// as a member.
   void put(int slot, const SonarArc& arc);
   /// Enlarges the accumulators when more than a few new echoes lie outside.
   void cover();
@@ -61,8 +61,8 @@ class Competition {
   void claim(int slot);
   void share_out();
   void set_owner(int slot, int owner);
+  void cast(int slot, bool votes);
   void update_votes();
-  void cast(int slot, double weight);
   void allow_all();
 
   // candidates (candidates.cpp)

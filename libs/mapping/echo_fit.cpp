@@ -81,7 +81,7 @@ std::optional<EchoFit> fit_echoes(const EchoFit& start, std::span<const SonarArc
     });
     if (!move) return {};
     fit.reflector = fit.reflector.moved(*move);
-    if (move->norm() < kCoarsePrecision) break;
+    if (move->norm() < std::max(precision, kCoarsePrecision)) break;
   }
   fit.scale = median_scale(fit.reflector, arcs, members, start.scale, parameters);
   for (int i = 0; i < kFine; ++i) {
@@ -111,7 +111,9 @@ Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std:
   };
   std::vector<int> by_stop(members.begin(), members.end());
   const auto stop_of = [&](int i) { return arcs[static_cast<std::size_t>(i)].stop; };
-  std::stable_sort(by_stop.begin(), by_stop.end(), [&](int a, int b) { return stop_of(a) < stop_of(b); });
+  const auto earlier = [&](int a, int b) { return stop_of(a) < stop_of(b); };
+  if (!std::is_sorted(by_stop.begin(), by_stop.end(), earlier))
+    std::stable_sort(by_stop.begin(), by_stop.end(), earlier);
   std::vector<Stop> stops;
   Matrix3 information = Matrix3::Zero();
   for (const int i : by_stop) {

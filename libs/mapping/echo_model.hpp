@@ -1,5 +1,8 @@
 #pragma once
 /// How likely an echo is, given what is thought to have made it.
+#include <cmath>
+#include <limits>
+
 #include "mapping/echo_fit.hpp"
 
 namespace noctule::mapping {
@@ -40,14 +43,28 @@ class EchoModel {
   }
 
  private:
+  static constexpr double kFarthest = 20.0;  // residuals beyond are not weighed at all, in standard deviations
+
   EchoModelParameters parameters_;
   RobustParameters robust_;
   double log_clutter_;
+  double log_tops_;  // of a Student-t of 3 degrees of freedom, 2 / (pi sqrt 3), and of a Gaussian, of unit width
 };
 
 /// Squared chord between the direction of the echo and the axis: nearly the squared angle, without its sine.
 [[nodiscard]] inline double off_axis2(const Reflector::Sight& sight, const SonarArc& arc) {
   return 2.0 - 2.0 * sight.direction.dot(arc.axis);
+}
+
+inline double EchoModel::log_likelihood(const EchoFit& fit, const Reflector::Sight& sight, const SonarArc& arc) const {
+  constexpr double kNever = -std::numeric_limits<double>::infinity();
+  const double angle2 = off_axis2(sight, arc), limit = arc.half_angle + parameters_.cone_margin;
+  if (angle2 > limit * limit || sight.range <= 0.0) return kNever;
+  const double sigma = std::max(arc.sigma * std::max(1.0, fit.scale), robust_.floor / robust_.tukey);
+  const double e = (arc.range - sight.range) / sigma;
+  if (std::abs(e) > kFarthest) return kNever;
+  const double beam = 0.5 * arc.half_angle, q = 1.0 + e * e / 3.0;
+  return log_tops_ - std::log(sigma * beam * q * q) - 0.5 * angle2 / (beam * beam);
 }
 
 }  // namespace noctule::mapping

@@ -133,14 +133,23 @@ CircleVotes::CircleVotes(const HoughParameters& parameters, const Extent& extent
 }
 
 void CircleVotes::vote(int layer, const Vector2& position, double distance, double weight) {
-  const Vector2 p = (position - corner_) / parameters_.centre_bin;
-  const auto x0 = static_cast<float>(p.x()), y0 = static_cast<float>(p.y());
-  const auto d = static_cast<float>(distance / parameters_.centre_bin), limit = static_cast<float>(cells_);
-  const auto share = static_cast<float>(weight / static_cast<double>(directions_.size()));
-  for (const Eigen::Vector2f& u : directions_) {
-    const float x = x0 + d * u.x(), y = y0 + d * u.y();
-    if (x < 0.0F || y < 0.0F || x >= limit || y >= limit) continue;
-    grid_.add(layer * cells_ + static_cast<int>(y), static_cast<int>(x), share);
+  const Eigen::Array2f p = ((position - corner_) / parameters_.centre_bin).cast<float>();
+  const auto d = static_cast<float>(distance / parameters_.centre_bin);
+  // The cast rounds towards 0: one cell more makes it round down from -1 on, and all that lies farther out stays out.
+  columns_ = (p.x() + 1.0F + d * u_).cast<int>() - 1;
+  rows_ = (p.y() + 1.0F + d * v_).cast<int>() - 1;
+  grid_.add({layer * cells_, cells_}, rows_, columns_, static_cast<float>(weight / static_cast<double>(u_.size())));
+}
+
+void CircleVotes::sample(const Vector2& first, double step, int samples) {
+  u_.resize(samples);
+  v_.resize(samples);
+  const Vector2 turn(std::cos(step), std::sin(step));
+  Vector2 u = first;
+  for (int i = 0; i < samples; ++i) {
+    u_[i] = static_cast<float>(u.x());
+    v_[i] = static_cast<float>(u.y());
+    u = {turn.x() * u.x() - turn.y() * u.y(), turn.y() * u.x() + turn.x() * u.y()};
   }
 }
 
@@ -148,14 +157,8 @@ void CircleVotes::vote(const SonarArc& arc, double weight) {
   const int samples =
       1 + static_cast<int>(2.0 * arc.half_angle * (arc.range + parameters_.max_radius) / parameters_.centre_bin);
   const double step = 2.0 * arc.half_angle / samples;
-  const Vector2 turn(std::cos(step), std::sin(step));
-  Vector2 u(std::cos(0.5 * step - arc.half_angle), std::sin(0.5 * step - arc.half_angle));
-  u = {arc.axis.x() * u.x() - arc.axis.y() * u.y(), arc.axis.y() * u.x() + arc.axis.x() * u.y()};
-  directions_.clear();
-  for (int i = 0; i < samples; ++i) {
-    directions_.push_back(u.cast<float>());
-    u = {turn.x() * u.x() - turn.y() * u.y(), turn.y() * u.x() + turn.x() * u.y()};
-  }
+  const Vector2 u(std::cos(0.5 * step - arc.half_angle), std::sin(0.5 * step - arc.half_angle));
+  sample({arc.axis.x() * u.x() - arc.axis.y() * u.y(), arc.axis.y() * u.x() + arc.axis.x() * u.y()}, step, samples);
   for (int layer = 0; layer < layers_; ++layer) {
     vote(layer, arc.sensor, arc.range + layer * parameters_.radius_bin, weight);
   }
@@ -165,11 +168,7 @@ void CircleVotes::vote(const PointWithCovariance& point, double weight) {
   for (int layer = 1; layer < layers_; ++layer) {
     const double radius = layer * parameters_.radius_bin;
     const int samples = 1 + static_cast<int>(kTwoPi * radius / parameters_.centre_bin);
-    directions_.clear();
-    for (int i = 0; i < samples; ++i) {
-      const double angle = kTwoPi * i / samples;
-      directions_.push_back(Vector2(std::cos(angle), std::sin(angle)).cast<float>());
-    }
+    sample(Vector2::UnitX(), kTwoPi / samples, samples);
     vote(layer, point.position, radius, weight);
   }
 }

@@ -93,14 +93,17 @@ class CircleVotes {
   void allow_all() { grid_.allow_all(); }
 
  private:
-  /// Votes for the cells at a distance from a point, in `directions_`.
+  /// Makes these directions those that are voted for: the first, and those turned on by `step` [rad] each.
+  void sample(const Vector2& first, double step, int samples);
+  /// Votes for the cells in these directions at a distance from a point [m].
   void vote(int layer, const Vector2& position, double distance, double weight);
 
   HoughParameters parameters_;
   Vector2 corner_;  // of cell (0, 0)
   int cells_;       // per side
   int layers_;
-  std::vector<Eigen::Vector2f> directions_;  // of what is being voted, scratch
+  Eigen::ArrayXf u_, v_;           // directions of what is being voted, scratch
+  Eigen::ArrayXi columns_, rows_;  // and where they lead
   VoteGrid grid_;
 };
 

@@ -86,16 +86,18 @@ void OccupancyGrid::add_echo(const Pose2& sensor, double range, double half_angl
   const Box b = box(p.cwiseMin(tip - Vector2::Constant(bow)), p.cwiseMax(tip + Vector2::Constant(bow)));
   if (grows_) include(b);
 
-  const double inner = parameters_.inner_cone * half_angle;
+  const double inner = parameters_.inner_cone * half_angle, slope = std::tan(half_angle);
   const auto limit = static_cast<float>(parameters_.limit);
   const std::int64_t last_x = std::min(b.x_end, first_x_ + width_), last_y = std::min(b.y_end, first_y_ + height_);
   for (std::int64_t y = std::max(b.y, first_y_); y < last_y; ++y) {
     for (std::int64_t x = std::max(b.x, first_x_); x < last_x; ++x) {
       const Vector2 d =
           parameters_.resolution * Vector2(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5) - p;
-      const double along = axis.dot(d), distance = d.norm();
-      if (along <= 0.0 || distance > reach) continue;
-      const double angle = std::abs(std::atan2(axis.x() * d.y() - axis.y() * d.x(), along));
+      const double along = axis.dot(d), across = std::abs(axis.x() * d.y() - axis.y() * d.x());
+      if (along <= 0.0 || across > slope * along) continue;
+      const double distance = d.norm();
+      if (distance > reach) continue;
+      const double angle = std::atan2(across, along);
       double change = 0.0;
       if (distance > range - depth) {
         const double a = angle / half_angle;

@@ -35,6 +35,23 @@ class VoteGrid {
     cell += votes;
     raise(row, cell);
   }
+  struct Band {
+    int first_row;
+    int rows;
+  };
+  /// Adds to single cells, rows counted from the first of a band; those outside the band are left out.
+  void add(const Band& band, const Eigen::ArrayXi& rows, const Eigen::ArrayXi& columns, float votes) {
+    float* const cells = votes_.data() + index(band.first_row, 0);
+    float* const bounds = bound_.data() + band.first_row;
+    const auto height = static_cast<unsigned>(band.rows), width = static_cast<unsigned>(columns_);
+    for (Eigen::Index i = 0; i < rows.size(); ++i) {
+      const auto row = static_cast<unsigned>(rows[i]), column = static_cast<unsigned>(columns[i]);
+      if (row >= height || column >= width) continue;  // the negative ones too
+      float& cell = cells[row * width + column];
+      cell += votes;
+      bounds[row] = std::max(bounds[row], cell);
+    }
+  }
   /// Adds to the cells from `first` on.
   template <int N>
   void add(int row, int first, const Eigen::Array<float, N, 1>& votes) {
