@@ -96,13 +96,16 @@ TEST_F(PipelineRun, NothingIsMissedAndAllModulesFinish) {
   EXPECT_TRUE(messages_in<module_status>(log, "TIMING").empty()) << "wall-clock figures are not recorded";
 }
 
+/// Until the run is under way.
+void wait_for_log(const fs::path& log) {
+  while (!fs::exists(log) || fs::file_size(log) < 300'000) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
 TEST_F(PipelineRun, CtrlCStillWritesTheReport) {
   const fs::path out = folder_ / "out";
   Process process(
       command("noctule-pipeline", short_run(), {"--set", "source.world.path.loops=2000", "--out", out.string()}));
-  while (!fs::exists(out / "run.lcmlog") || fs::file_size(out / "run.lcmlog") < 300'000) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
+  wait_for_log(out / "run.lcmlog");
   process.send(SIGINT);
   const Outcome outcome = process.wait();
   EXPECT_EQ(outcome.exit_code, 130) << outcome.output;
@@ -114,11 +117,10 @@ TEST_F(PipelineRun, CtrlCStillWritesTheReport) {
 
 TEST_F(PipelineRun, AKilledRunLeavesAReadableLogAndNoOldFigures) {
   const fs::path out = run_into("out");
+  fs::remove(out / "run.lcmlog");  // the next one that is seen is the killed run's
   Process process(
       command("noctule-pipeline", short_run(), {"--set", "source.world.path.loops=2000", "--out", out.string()}));
-  while (fs::exists(out / "metrics.json") || fs::file_size(out / "run.lcmlog") < 300'000) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
+  wait_for_log(out / "run.lcmlog");
   process.send(SIGKILL);
   EXPECT_EQ(process.wait().exit_code, -SIGKILL);
   const auto estimates = messages_in<slam_estimate>(out / "run.lcmlog", "SLAM_ESTIMATE");
