@@ -14,6 +14,7 @@
 #include "core/error.hpp"
 #include "experiment/comparison.hpp"
 #include "experiment/experiment.hpp"
+#include "experiment/results.hpp"
 #include "experiment/table.hpp"
 #include "report/text.hpp"
 
@@ -81,11 +82,13 @@ struct TableSpec {
   }
 };
 
-/// `over` where it says something, else `base`.
+/// `over` where it says something, else `base`; parameters of both together.
 CellSpec merged(CellSpec base, const CellSpec& over) {
-  for (auto member : {&CellSpec::title, &CellSpec::results, &CellSpec::experiment, &CellSpec::scenario,
-                      &CellSpec::filter, &CellSpec::parameters, &CellSpec::metric, &CellSpec::source,
-                      &CellSpec::against, &CellSpec::against_parameters, &CellSpec::unit}) {
+  if (!base.parameters.empty() && !over.parameters.empty()) base.parameters += ';';
+  base.parameters += over.parameters;
+  for (auto member :
+       {&CellSpec::title, &CellSpec::results, &CellSpec::experiment, &CellSpec::scenario, &CellSpec::filter,
+        &CellSpec::metric, &CellSpec::source, &CellSpec::against, &CellSpec::against_parameters, &CellSpec::unit}) {
     if (!(over.*member).empty()) base.*member = over.*member;
   }
   if (over.decimals >= 0) base.decimals = over.decimals;
@@ -136,6 +139,21 @@ double scale_of(const std::string& unit) {
   return at->second;
 }
 
+/// In any order.
+bool same_parameters(const std::string& a, const std::string& b) {
+  const auto sorted = [](const std::string& parameters) {
+    auto list = assignments(parameters);
+    std::ranges::sort(list);
+    return list;
+  };
+  return sorted(a) == sorted(b);
+}
+
+bool fits(const Subject& subject, const std::string& scenario, const std::string& filter,
+          const std::string& parameters) {
+  return subject.scenario == scenario && subject.filter == filter && same_parameters(subject.parameters, parameters);
+}
+
 std::string what(const CellSpec& c) {
   return "scenario '" + c.scenario + "', filter '" + c.filter + "', parameters '" + c.parameters + "', metric '" +
          c.metric + "'";
@@ -162,31 +180,31 @@ std::string published(const CellSpec& c, Sources& sources) {
   const Reference* found = nullptr;
   for (const Reference& r : sources.experiment(c.experiment).references) {
     const bool fits = r.filter == c.filter && r.scenario == c.scenario && r.metric == c.metric &&
-                      r.parameters == c.parameters && r.source.starts_with(c.source);
+                      same_parameters(r.parameters, c.parameters) && r.source.starts_with(c.source);
     if (fits && (found == nullptr || r.source == c.source)) found = &r;
   }
   return found == nullptr ? "" : number(c, found->value);
 }
 
 std::string compared(const CellSpec& c, Sources& sources) {
-  const Subject subject{c.scenario, c.filter, c.parameters};
-  const Subject against{c.scenario, c.against, c.against_parameters.empty() ? c.parameters : c.against_parameters};
+  const std::string& parameters = c.against_parameters.empty() ? c.parameters : c.against_parameters;
   for (const Comparison& row : sources.comparisons(c.results)) {
-    if (row.subject != subject || row.against != against || row.metric != c.metric) continue;
+    const bool both =
+        fits(row.subject, c.scenario, c.filter, c.parameters) && fits(row.against, c.scenario, c.against, parameters);
+    if (!both || row.metric != c.metric) continue;
     if (c.show == Show::percent) return report::fixed(row.percent, c.decimals < 0 ? 1 : c.decimals);
     if (c.show == Show::p) return p_text(row.p_value);
     if (c.show == Show::p_holm) return p_text(row.p_holm);
     return with_interval(c, row.difference, row.ci95);
   }
-  throw InputError("no such comparison in " + c.results + ": " + what(c) + " against '" + against.filter +
-                   "', parameters '" + against.parameters + "'");
+  throw InputError("no such comparison in " + c.results + ": " + what(c) + " against '" + c.against +
+                   "', parameters '" + parameters + "'");
 }
 
 std::string measured(const CellSpec& c, Sources& sources) {
-  const Subject subject{c.scenario, c.filter, c.parameters};
   const bool any_metric = c.show == Show::diverged && c.metric.empty();
   for (const SummaryRow& row : sources.summary(c.results)) {
-    if (row.subject != subject || (!any_metric && row.metric != c.metric)) continue;
+    if (!fits(row.subject, c.scenario, c.filter, c.parameters) || (!any_metric && row.metric != c.metric)) continue;
     switch (c.show) {
       case Show::mean:
         return number(c, row.mean);

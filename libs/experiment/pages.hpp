@@ -18,8 +18,9 @@
 /// [1.10, 1.32]<!-- /figure --> cm ...
 /// ```
 /// `data` holds for all that follows. A cell is what its row says, else its column, else `data` (pages.cpp lists the
-/// keys). With a `source` it is a published figure of the experiment file, else one of summary.csv, timing.csv or, for
-/// a difference, comparisons.csv in the folder `results`.
+/// keys); their parameters together, so that rows may say `N=20` and a column `mode=a`. With a `source` it is a
+/// published figure of the experiment file, else one of summary.csv, timing.csv or, for a difference, comparisons.csv
+/// in the folder `results`.
 #include <filesystem>
 #include <string>
 #include <vector>

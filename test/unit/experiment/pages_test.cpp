@@ -17,7 +17,8 @@ class Pages : public testing::Test {
         << "scenario,filter,parameters,metric,unit,n,diverged,mean,sd,ci95_low,ci95_high\n"
            "near,good,N=1,error,m,100,0,0.0121,0.005,0.0110,0.0132\n"
            "near,good,N=1,complete,1,100,0,0.99,0.1,0.97,1.01\n"
-           "near,bad,,error,m,97,3,0.5,0.2,0.4,0.6\n";
+           "near,bad,,error,m,97,3,0.5,0.2,0.4,0.6\n"
+           "near,good,N=8;mode=a,error,m,100,0,0.25,0.1,0.2,0.3\n";
     Comparison c;
     c.subject = {"near", "bad", ""};
     c.against = {"near", "good", "N=1"};
@@ -65,6 +66,13 @@ TEST_F(Pages, TablesAreMadeAnew) {
             std::string::npos)
       << fresh;
   EXPECT_EQ(refreshed_page(fresh, folder_ / "page.md"), fresh);
+}
+
+TEST_F(Pages, RowsAndColumnsShareTheParameters) {
+  const std::string fresh = refreshed(
+      "<!-- table\ncolumns: [{title: a, filter: good, parameters: mode=a}]\n"
+      "rows: [{title: eight, parameters: N=8, metric: error, unit: m}]\n-->\n<!-- /table -->");
+  EXPECT_NE(fresh.find("| eight | 0.25 [0.20, 0.30] |"), std::string::npos) << fresh;
 }
 
 TEST_F(Pages, FiguresInTheText) {
