@@ -8,6 +8,7 @@
 
 #include "apps/common/command_line.hpp"
 #include "apps/common/interrupt.hpp"
+#include "apps/common/pacer.hpp"
 #include "apps/common/summary.hpp"
 #include "core/error.hpp"
 #include "modules/pipeline.hpp"
@@ -86,7 +87,7 @@ void check_log(const modules::SourceParameters& source, const fs::path& written)
   }
 }
 
-int run(const apps::CommandLine& line, const std::string& out) {
+int run(const apps::CommandLine& line, const std::string& out, double speed) {
   const modules::PipelineParameters parameters = apps::load_pipeline(line);
   const std::string config_yaml = modules::dump_pipeline(parameters);
   if (line.print_config) {
@@ -103,7 +104,12 @@ int run(const apps::CommandLine& line, const std::string& out) {
 
   apps::catch_interrupts();
   Progress progress(line.log_level >= apps::LogLevel::info);
-  while (!apps::interrupted() && pipeline.step()) progress.show(pipeline.data_seconds());
+  apps::Pacer pacer(speed);
+  for (auto utime = pipeline.next_utime(); !apps::interrupted(); utime = pipeline.next_utime()) {
+    if (utime) pacer.wait_for(*utime);
+    if (!pipeline.step()) break;
+    progress.show(pipeline.data_seconds());
+  }
   if (apps::interrupted()) pipeline.stop();
   progress.clear();
 
@@ -119,11 +125,12 @@ int run(const apps::CommandLine& line, const std::string& out) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string out = "results/run";
+  std::string out = "results/run", speed = "0";
   const apps::Program program{.name = "noctule-pipeline",
                               .description = "Runs a pipeline in one process and writes a folder of results.",
                               .default_bus = "memq://",
-                              .options = {{"--out", &out, "folder of results"}}};
+                              .options = {{"--out", &out, "folder of results"},
+                                          {"--speed", &speed, "times real time, to watch it; 0: as fast as possible"}}};
   const apps::CommandLine line = apps::parse_command_line(argc, argv, program);
-  return apps::run_guarded(program.name, [&] { return run(line, out); });
+  return apps::run_guarded(program.name, [&] { return run(line, out, apps::parse_option("--speed", speed, 0.0)); });
 }

@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(NOCTULE_EXPORTED_ROOMS core models particle config eval sim sensors filters mapping planning datasets report)
+set(NOCTULE_EXPORTED_ROOMS core models particle config eval sim sensors filters mapping planning smoothing datasets report)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/noctule)
 
 # Package of each third-party target that a room may link.
@@ -13,6 +13,7 @@ set(package_of_nlohmann_json::nlohmann_json nlohmann_json)
 set(package_of_TBB::tbb TBB)
 set(package_of_ZLIB::ZLIB ZLIB)
 set(package_of_Threads::Threads Threads)
+set(package_of_Ceres::ceres Ceres)
 
 set(NOCTULE_COMPONENT_TABLE "")
 get_property(rooms GLOBAL PROPERTY NOCTULE_ROOMS)

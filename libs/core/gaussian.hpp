@@ -2,12 +2,12 @@
 /// Small fixed-size Gaussian algebra: densities through Cholesky, Joseph updates, sampling from singular covariances.
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <stdexcept>
 
 #include "core/angles.hpp"
 #include "core/rng.hpp"
+#include "core/symmetric_eigen.hpp"
 
 namespace noctule {
 
@@ -85,8 +85,8 @@ UpdateResult joseph_update(VectorD<D>& mean, MatrixD<D>& covariance, const Vecto
 /// clamped to 0: works for singular P (Cholesky does not).
 template <int D>
 [[nodiscard]] MatrixD<D> square_root(const MatrixD<D>& covariance) {
-  const Eigen::SelfAdjointEigenSolver<MatrixD<D>> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen<D> eigen = symmetric_eigen<D>(covariance);
+  return eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// One draw from N(0, A A').

@@ -20,11 +20,11 @@
 /// };
 /// ```
 /// A visitor has `field` for bool, int, int64_t, uint64_t, double, std::string, std::filesystem::path (relative to the
-/// file that says it), Vector2, Pose2 (x, y, yaw) and std::vectors of double, std::string or Vector2, `choice` for enums, `group`
-/// for a nested struct or a std::optional of one (absent unless the file has it) and `list` for a std::vector of
-/// structs; `one_of` for a std::variant of structs, told apart by the key `type`. `unit::one` may be left out. The key
-/// `file` is taken: it refers to another file.
-/// The key carries the unit (`_m`, `_cm`, `_deg`, `_s` ...); the member is SI.
+/// file that says it), Vector2, Pose2 (x, y, yaw) and std::vectors of double, std::string or Vector2, `choice` for
+/// enums, `group` for a nested struct or a std::optional of one (absent unless the file has it) and `list` for a
+/// std::vector of structs; `one_of` for a std::variant of structs, told apart by the key `type`. `unit::one` may be
+/// left out. The key `file` is taken: it refers to another file. The key carries the unit (`_m`, `_cm`, `_deg`, `_s`
+/// ...); the member is SI.
 #include <limits>
 #include <string>
 #include <utility>

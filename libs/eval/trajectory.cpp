@@ -56,10 +56,8 @@ std::vector<PosePair> associate(std::span<const TimedPose> estimate, std::span<c
 
 PoseErrors pose_errors(std::span<const PosePair> pairs) {
   Accumulator position, heading;
-  for (const PosePair& p : pairs) {
-    position.add((p.estimate.position() - p.truth.position()).norm());
-    heading.add(std::abs(wrap(p.estimate.yaw - p.truth.yaw)));
-  }
+  for (const double e : position_errors(pairs)) position.add(e);
+  for (const double e : heading_errors(pairs)) heading.add(std::abs(e));
   return {position.samples, position.rms(), position.maximum(), heading.rms(), heading.maximum()};
 }
 
@@ -108,29 +106,28 @@ double absolute_trajectory_error(std::span<const PosePair> pairs, Alignment alig
   return error.rms();
 }
 
-std::vector<Segment> segments_by_length(std::span<const PosePair> pairs, double length) {
-  std::vector<double> travelled(pairs.size(), 0.0);
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    travelled[i] = travelled[i - 1] + (pairs[i].truth.position() - pairs[i - 1].truth.position()).norm();
-  }
-  std::vector<Segment> segments;
-  double previous_start = -1.0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (travelled[i] == previous_start) continue;
-    constexpr double kRounding = 1e-9;
-    const auto end = std::lower_bound(travelled.begin() + static_cast<std::ptrdiff_t>(i), travelled.end(),
-                                      travelled[i] + length - kRounding);
-    if (end == travelled.end()) break;
-    segments.emplace_back(i, static_cast<std::size_t>(end - travelled.begin()));
-    previous_start = travelled[i];
-  }
-  return segments;
+std::vector<double> position_errors(std::span<const PosePair> pairs) {
+  std::vector<double> errors;
+  for (const PosePair& p : pairs) errors.push_back((p.estimate.position() - p.truth.position()).norm());
+  return errors;
 }
 
-std::vector<Segment> segments_by_count(std::span<const PosePair> pairs, std::size_t count) {
-  std::vector<Segment> segments;
-  for (std::size_t i = 0; i + count < pairs.size(); ++i) segments.emplace_back(i, i + count);
-  return segments;
+std::vector<double> heading_errors(std::span<const PosePair> pairs) {
+  std::vector<double> errors;
+  for (const PosePair& p : pairs) errors.push_back(wrap(p.estimate.yaw - p.truth.yaw));
+  return errors;
+}
+
+std::vector<double> travelled(std::span<const PosePair> pairs) {
+  std::vector<double> way(pairs.size(), 0.0);
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    way[i] = way[i - 1] + (pairs[i].truth.position() - pairs[i - 1].truth.position()).norm();
+  }
+  return way;
+}
+
+std::vector<Segment> segments_by_length(std::span<const PosePair> pairs, double length) {
+  return segments_by_distance(travelled(pairs), length, SegmentStarts::every_pose);
 }
 
 RelativePoseErrors relative_pose_errors(std::span<const PosePair> pairs, std::span<const Segment> segments) {

@@ -4,12 +4,12 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/chi2.hpp"
 #include "core/estimate.hpp"
 #include "core/source.hpp"
+#include "eval/segments.hpp"
 
 namespace noctule::eval {
 
@@ -69,13 +69,14 @@ enum class Alignment {
 /// pairs.
 [[nodiscard]] double absolute_trajectory_error(std::span<const PosePair> pairs, Alignment);
 
-/// Indices of the first and the last pose of a piece of the trajectory.
-using Segment = std::pair<std::size_t, std::size_t>;
-/// One segment from each pose on, to the first at which the true path is `length` [m] or longer. Poses at which the
-/// robot has not moved since the previous segment's start begin no segment.
+/// Position errors [m] and heading errors [rad, in [-pi, pi)], in the order of the pairs: the curves over time.
+[[nodiscard]] std::vector<double> position_errors(std::span<const PosePair> pairs);
+[[nodiscard]] std::vector<double> heading_errors(std::span<const PosePair> pairs);
+
+/// True way driven up to each pair [m].
+[[nodiscard]] std::vector<double> travelled(std::span<const PosePair> pairs);
+/// segments_by_distance() from every pose on.
 [[nodiscard]] std::vector<Segment> segments_by_length(std::span<const PosePair> pairs, double length);
-/// All segments of `count` steps.
-[[nodiscard]] std::vector<Segment> segments_by_count(std::span<const PosePair> pairs, std::size_t count);
 
 /// Relative pose error E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) over segments: Q true, P estimated; needs no alignment.
 struct RelativePoseErrors {

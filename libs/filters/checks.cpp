@@ -1,6 +1,5 @@
 #include "filters/checks.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <sstream>
 
@@ -20,24 +19,7 @@ bool finite(const Vector2& v) {
   return v.allFinite();
 }
 
-template <class Matrix>
-bool is_covariance(const Matrix& m) {
-  return m.allFinite() && m.diagonal().minCoeff() >= 0.0 &&
-         (m - m.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * (1.0 + m.cwiseAbs().maxCoeff());
-}
-
 }  // namespace
-
-void check(const Odometry& o) {
-  if (!o.increment.finite()) {
-    refuse("odometry ", o.stamp.seq, ": increment: expected finite numbers, got (", o.increment.x, ", ", o.increment.y,
-           ", ", o.increment.yaw, ")");
-  }
-  if (!is_covariance(o.covariance)) {
-    refuse("odometry ", o.stamp.seq, ": covariance: expected a symmetric matrix with a diagonal >= 0, got ",
-           o.covariance.reshaped().transpose());
-  }
-}
 
 void check(const UltrasonicScan& scan) {
   if (!(scan.half_angle > 0.0 && scan.half_angle <= kPi)) {
@@ -73,28 +55,6 @@ void check(const ContourFeatures& features, const UltrasonicScan& scan) {
                reading.beam);
       }
     }
-  }
-}
-
-void check(const LandmarkDetections& message) {
-  if (!message.sensor_in_base.finite()) {
-    refuse("landmark detections ", message.stamp.seq, ": sensor pose: expected finite numbers");
-  }
-  for (std::size_t i = 0; i < message.detections.size(); ++i) {
-    const LandmarkDetection& d = message.detections[i];
-    const auto place = [&] {
-      return "landmark detections " + std::to_string(message.stamp.seq) + ", detection " + std::to_string(i);
-    };
-    if (d.kind != DetectionKind::range_bearing) {
-      refuse(place(), ": kind: expected range_bearing, got ",
-             d.kind == DetectionKind::bearing_only ? "bearing_only" : "range_only", ", which this filter cannot use");
-    }
-    if (!(d.range > 0.0 && std::isfinite(d.range))) refuse(place(), ": range: expected metres > 0, got ", d.range);
-    if (!std::isfinite(d.bearing)) refuse(place(), ": bearing: expected radians, got ", d.bearing);
-    if (!is_covariance(d.covariance) || !(d.covariance(0, 0) > 0.0) || !(d.covariance.determinant() > 0.0)) {
-      refuse(place(), ": covariance: expected a positive definite matrix, got ", d.covariance.reshaped().transpose());
-    }
-    if (d.id < -1) refuse(place(), ": id: expected -1 (unknown) or >= 0, got ", d.id);
   }
 }
 

@@ -12,7 +12,7 @@ constexpr double kPeakWindow = 0.08;  // residuals allowed at a peak of the accu
 constexpr int kRefinements = 3;       // of the set of echoes and the fit to it
 constexpr int kMaxRefusals = 12;      // peaks of a kind tried in vain before a search gives up
 constexpr double kRough = 1e-3;       // precision of candidates' fits [m, rad]
-constexpr double kFine = 1e-8;
+constexpr double kFine = 1e-5;
 constexpr double kWorth = 0.9;      // share of its gain a candidate must keep when another was taken
 constexpr double kPeakShare = 0.3;  // of the votes of min_readings echoes that a line's peak must hold
 
@@ -64,11 +64,12 @@ double Competition::log_likelihood(const EchoFit& fit, std::span<const int> memb
   return sum;
 }
 
+EchoFit Competition::refitted(const EchoFit& fit, std::span<const int> members) const {
+  return fit_echoes(fit, arcs_, members, parameters_.robust, kFine).value_or(fit);
+}
+
 EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) const {
-  const auto fitted = [&](const Reflector& start) {
-    return fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kFine);
-  };
-  if (fit.reflector.is_wall()) return fitted(fit.reflector).value_or(fit);
+  if (fit.reflector.is_wall()) return refitted(fit, members);
 
   const SupportParameters& need = parameters_.support;
   const Cylinder c = fit.reflector.cylinder();
@@ -79,7 +80,7 @@ EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) 
   double most = -std::numeric_limits<double>::infinity();
   for (const Reflector& start : {Reflector(Cylinder{c.centre, 0.0}), Reflector(tangent),
                                  Reflector(Cylinder{c.centre, std::max(c.radius, need.min_radius)})}) {
-    const auto candidate = fitted(start);
+    const auto candidate = fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kFine);
     if (!candidate) continue;
     double likelihood = log_likelihood(*candidate, members);
     if (start.type() == ContourType::arc) {
@@ -137,8 +138,6 @@ void Competition::accept(Object object) {
 bool Competition::grow() {
   if (arcs_.empty()) return false;
   update_votes();
-  lines_.allow_all();
-  circles_.allow_all();
   const std::size_t before = objects_.size();
   std::optional<Object> wall, round;
   while (true) {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/symmetric_eigen.hpp"
+
 namespace noctule::mapping {
 namespace {
 
@@ -78,7 +80,7 @@ std::optional<Cylinder> taubin_circle(std::span<const Vector2> points) {
     const Vector3 row((q.squaredNorm() - z_mean) / (2.0 * std::sqrt(z_mean)), q.x(), q.y());
     scatter += row * row.transpose();
   }
-  const Vector3 a = Eigen::SelfAdjointEigenSolver<Matrix3>(scatter).eigenvectors().col(0);
+  const Vector3 a = symmetric_eigen<3>(scatter).vectors.col(0);
   const double a1 = a[0] / (2.0 * std::sqrt(z_mean));
   if (std::abs(a1) * std::sqrt(z_mean) < 1e-9) return {};  // a line
   const Vector2 c = -a.tail<2>() / (2.0 * a1);

@@ -9,8 +9,9 @@ namespace noctule::mapping {
 namespace {
 
 constexpr int kSettleRounds = 12;        // at most
+constexpr int kOutside = 10;             // echoes outside the accumulators that make them grow
 constexpr double kSharedStretch = 0.25;  // of the readings of two walls that must lie before both
-constexpr double kGrowth = 1.5;          // of the extent, beyond what is needed
+constexpr double kGrowth = 1.5;          // of the extent, beyond what holds the echoes
 
 Extent limited(Extent extent, double most) {
   extent.radius = std::min(extent.radius, most);
@@ -45,14 +46,21 @@ void Competition::set_owner(int slot, int owner) {
   now = owner;
 }
 
-void Competition::enlarge(const SonarArc& arc) {
-  const double needed = (arc.sensor + arc.range * arc.axis - extent_.centre).norm();
-  if (needed <= extent_.radius || extent_.radius >= parameters_.max_extent) return;
-  extent_.radius = std::min(kGrowth * needed, parameters_.max_extent);
+void Competition::cover() {
+  if (outside_ < kOutside || extent_.radius >= parameters_.max_extent) return;
+  outside_ = 0;
+  extent_ = Extent::of(arcs_);
+  extent_.radius *= kGrowth;
+  extent_ = limited(extent_, parameters_.max_extent);
   lines_ = LineVotes(parameters_.hough, extent_, LineVotes::Normals::directed);
   circles_ = CircleVotes(parameters_.hough, extent_);
   std::fill(votes_.begin(), votes_.end(), char{0});
   update_votes();
+}
+
+void Competition::allow_all() {
+  lines_.allow_all();
+  circles_.allow_all();
 }
 
 void Competition::remove(int slot) {
@@ -74,6 +82,7 @@ void Competition::put(int slot, const SonarArc& arc) {
     remove(slot);
     arcs_[static_cast<std::size_t>(slot)] = arc;
   }
+  if ((arc.sensor + arc.range * arc.axis - extent_.centre).norm() > extent_.radius) ++outside_;
   claim(slot);
 }
 
@@ -98,7 +107,6 @@ void Competition::claim(int slot) {
       return;
     }
   }
-  enlarge(arc);
   cast(slot, 1.0);
 }
 
@@ -211,8 +219,7 @@ bool Competition::merge_two() {
       kept.members.insert(kept.members.end(), objects_[j].members.begin(), objects_[j].members.end());
       const double scale = 2.0 * std::max(kept.fit.scale, objects_[j].fit.scale);
       objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(j));
-      kept.fit =
-          fit_echoes({kept.fit.reflector, scale}, arcs_, kept.members, parameters_.robust, 1e-6).value_or(kept.fit);
+      kept.fit = refitted({kept.fit.reflector, scale}, kept.members);
       return true;
     }
   }
@@ -230,15 +237,22 @@ bool Competition::drop_weakest() {
 }
 
 void Competition::settle() {
+  bool kinds_are_open = true;
   for (int round = 0; round < kSettleRounds; ++round) {
     share_out();
-    for (Object& object : objects_) object.fit = simplest(object.fit, object.members);
-    if (merge_two()) continue;
+    for (Object& object : objects_) {
+      const EchoFit start{object.fit.reflector, 1.0};
+      object.fit = kinds_are_open ? simplest(start, object.members) : refitted(start, object.members);
+    }
+    kinds_are_open = merge_two();
+    if (kinds_are_open) continue;
     share_out();
-    if (!drop_weakest() && round > 0) break;
+    kinds_are_open = drop_weakest();
+    if (!kinds_are_open && round > 0) break;
   }
   share_out();
   for (Object& object : objects_) object.has_news = false;
+  allow_all();
 }
 
 void Competition::follow() {
@@ -254,6 +268,7 @@ void Competition::restart() {
   std::fill(explained_.begin(), explained_.end(), model_.log_clutter());
   std::fill(owner_.begin(), owner_.end(), kNobody);
   unexplained_ = static_cast<int>(arcs_.size());
+  allow_all();
 }
 
 ContourMap Competition::map() const {
@@ -265,7 +280,8 @@ ContourMap Competition::map() const {
     if (reflector.is_wall()) {
       map.walls.push_back(wall_estimate(object.fit, covariance, e));
     } else if (reflector.type() == ContourType::arc) {
-      map.cylinders.push_back({reflector.cylinder(), covariance, e.viewing_angle, e.readings, e.stops});
+      const double view = viewing_angle_of(reflector, arcs_, object.members);
+      map.cylinders.push_back({reflector.cylinder(), covariance, view, e.readings, e.stops});
     } else {
       map.points.push_back({reflector.cylinder().centre, covariance.topLeftCorner<2, 2>(), e.readings, e.stops});
     }

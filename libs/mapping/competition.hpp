@@ -37,7 +37,10 @@ class Competition {
   /// Puts an echo into a slot: the one after the last, or an old one, whose echo is forgotten. The objects may take it
   /// as a member; else it votes.
   void put(int slot, const SonarArc& arc);
-  /// Looks for objects among the echoes that none explains. \return whether there were any
+  /// Enlarges the accumulators when more than a few new echoes lie outside.
+  void cover();
+  /// Looks for objects among the echoes that none explains, where it has not looked in vain since the last settling.
+  /// \return whether there were any
   bool grow();
   void settle();
   /// One Gauss-Newton step of every object that has new members.
@@ -60,7 +63,7 @@ class Competition {
   void set_owner(int slot, int owner);
   void update_votes();
   void cast(int slot, double weight);
-  void enlarge(const SonarArc& arc);
+  void allow_all();
 
   // candidates (candidates.cpp)
   [[nodiscard]] std::optional<Object> best_wall();
@@ -69,6 +72,7 @@ class Competition {
   [[nodiscard]] std::optional<Object> refined_round(const Cylinder& start) const;
   [[nodiscard]] std::vector<int> supporters(const EchoFit& fit, double window) const;
   [[nodiscard]] EchoFit simplest(const EchoFit& fit, std::span<const int> members) const;
+  [[nodiscard]] EchoFit refitted(const EchoFit& fit, std::span<const int> members) const;
   [[nodiscard]] double log_likelihood(const EchoFit& fit, std::span<const int> members) const;
   [[nodiscard]] bool still_worth(Object& object) const;
   void accept(Object object);
@@ -95,6 +99,7 @@ class Competition {
   std::vector<int> owner_;         // object it is a member of
   std::vector<char> votes_;        // whether it is in the accumulators
   int unexplained_ = 0;
+  int outside_ = 0;  // echoes outside the accumulators, put since these were made
 
   std::vector<Object> objects_;
 };

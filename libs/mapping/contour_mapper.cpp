@@ -38,9 +38,10 @@ void ContourMapper::add(const UltrasonicScan& scan, const Pose2& base_in_map) {
   if (!competition_) competition_.emplace(parameters_, Extent{fresh_.front().sensor, kFirstExtent});
   for (const SonarArc& arc : fresh_) competition_->put(store_.place(arc), arc);
   heard_ += static_cast<std::int64_t>(fresh_.size());
+  competition_->cover();
   competition_->follow();
 
-  const int enough = std::max(1, parameters_.support.min_readings / 2);
+  const int enough = parameters_.support.min_readings;
   if (heard_ < enough) return;
   bool unsettled = static_cast<double>(heard_) > kSettleGrowth * static_cast<double>(settled_at_);
   if (heard_ > kRestartGrowth * restarted_at_) {

@@ -61,9 +61,11 @@ std::optional<Vector3> step(const Reflector& reflector, std::span<const SonarArc
     const double c = cut(arc);
     if (std::abs(e) >= c) continue;
     const double w = biweight(e / c).weight / (arc.sigma * arc.sigma);
-    const Vector3 j = reflector.gradient(arc.sensor, s);
-    a.noalias() += w * j * j.transpose();
-    b.noalias() += (w * e) * j;
+    const Vector3 j = reflector.gradient(arc.sensor, s), wj = w * j;
+    for (int row = 0; row < 3; ++row) {  // the lower triangle
+      for (int column = 0; column <= row; ++column) a(row, column) += wj[row] * j[column];
+    }
+    b += e * wj;
   }
   return solve(a, b, reflector.dimension());
 }

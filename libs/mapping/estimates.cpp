@@ -20,7 +20,7 @@ Evidence evidence_of(const Reflector& reflector, std::span<const SonarArc> arcs,
   std::vector<int> stops;
   stops.reserve(members.size());
   for (const int i : members) stops.push_back(arcs[static_cast<std::size_t>(i)].stop);
-  std::sort(stops.begin(), stops.end());
+  if (!std::is_sorted(stops.begin(), stops.end())) std::sort(stops.begin(), stops.end());
   e.stops = static_cast<int>(std::unique(stops.begin(), stops.end()) - stops.begin());
 
   if (reflector.is_wall()) {
@@ -36,18 +36,23 @@ Evidence evidence_of(const Reflector& reflector, std::span<const SonarArc> arcs,
     return e;
   }
   Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  std::vector<double> directions;
-  directions.reserve(members.size());
   for (const int i : members) {
     const Vector2& sensor = arcs[static_cast<std::size_t>(i)].sensor;
-    const Vector2 d = reflector.sight(sensor).direction;
-    directions.push_back(std::atan2(d.y(), d.x()));
     low = low.cwiseMin(sensor);
     high = high.cwiseMax(sensor);
   }
-  e.viewing_angle = covered_angle(directions);
   e.span = (high - low).norm();
   return e;
+}
+
+double viewing_angle_of(const Reflector& round, std::span<const SonarArc> arcs, std::span<const int> members) {
+  std::vector<double> directions;
+  directions.reserve(members.size());
+  for (const int i : members) {
+    const Vector2 d = round.sight(arcs[static_cast<std::size_t>(i)].sensor).direction;
+    directions.push_back(std::atan2(d.y(), d.x()));
+  }
+  return covered_angle(directions);
 }
 
 WallEstimate wall_estimate(const EchoFit& fit, const Matrix3& covariance, const Evidence& evidence) {

@@ -121,12 +121,10 @@ std::optional<CylinderEstimate> refine(const CircleVotes::Peak& peak, std::span<
   if (!fit) return {};
   const Evidence evidence = evidence_of(fit->reflector, arcs, inliers);
   const Cylinder c = fit->reflector.cylinder();
-  if (!suffices(evidence, parameters.support) || evidence.viewing_angle < kMinView ||
-      !is_radius(c.radius, parameters)) {
-    return {};
-  }
-  return CylinderEstimate{c, echo_covariance(*fit, arcs, inliers, parameters.robust), evidence.viewing_angle,
-                          evidence.readings, evidence.stops};
+  const double view = viewing_angle_of(fit->reflector, arcs, inliers);
+  if (!suffices(evidence, parameters.support) || view < kMinView || !is_radius(c.radius, parameters)) return {};
+  return CylinderEstimate{c, echo_covariance(*fit, arcs, inliers, parameters.robust), view, evidence.readings,
+                          evidence.stops};
 }
 
 std::optional<WallEstimate> refine(const LineVotes::Peak& peak, std::span<const PointWithCovariance> points,

@@ -8,11 +8,34 @@ namespace noctule::mapping {
 namespace {
 
 constexpr int kMargin = 8;       // rho bins beyond the extent, for the spread of a vote
-constexpr double kWidest = 2.5;  // half width of that spread in bins: broader votes only make peaks flat
+constexpr double kWidest = 2.0;  // half width of that spread in bins: broader votes only make peaks flat
 constexpr double kHeld = 0.98;   // share of the data an extent holds
 constexpr double kMarginFactor = 1.1;
 constexpr double kRefusedAngle = radians(3.0);  // peaks as near as this to a refused one are the same
 constexpr double kRefusedDistance = 0.06;       // [m]
+
+/// How a vote spreads over the bins of rho: a triangle of the same variance, not narrower than what keeps the sum
+/// between two bins. It always fills four bins, those outside the triangle with 0.
+class Spread {
+ public:
+  /// \param sigma standard deviation of rho in bins
+  Spread(double sigma, double weight)
+      : weight_(static_cast<float>(weight)),
+        slope_(static_cast<float>(1.0 / std::clamp(std::sqrt(6.0) * sigma, 1.0, kWidest))) {}
+
+  /// \param x middle of the vote, in bins from the middle of the first one
+  void add(VoteGrid& grid, int row, double x) const {
+    using Bins = Eigen::Array<float, 4, 1>;
+    const int first = static_cast<int>(x) - 1;
+    if (first < 0 || first + 4 > grid.columns()) return;
+    const Bins distance = (Bins(0.0F, 1.0F, 2.0F, 3.0F) + static_cast<float>(first - x)).abs();
+    grid.add<4>(row, first, weight_ * slope_ * (1.0F - slope_ * distance).max(0.0F));
+  }
+
+ private:
+  float weight_;
+  float slope_;  // of a triangle of height 1
+};
 
 Extent about(std::span<const Vector2> points) {
   Extent extent;
@@ -56,36 +79,27 @@ LineVotes::LineVotes(const HoughParameters& parameters, const Extent& extent, No
   grid_ = VoteGrid(rows, 2 * (static_cast<int>(std::ceil(extent.radius / parameters.rho_bin)) + kMargin) + 1);
 }
 
-void LineVotes::spread(int row, double rho, double sigma, double weight) {
-  // A triangle of the same variance, not narrower than what keeps the sum between two bins.
-  const double half_width = std::clamp(std::sqrt(6.0) * sigma / parameters_.rho_bin, 1.0, kWidest);
-  const double x = rho / parameters_.rho_bin + 0.5 * (grid_.columns() - 1);
-  const int first = std::max(0, static_cast<int>(std::ceil(x - half_width)));
-  const int last = std::min(grid_.columns() - 1, static_cast<int>(std::floor(x + half_width)));
-  grid_.touch(row, row);
-  float* cells = grid_.cells(row);
-  const auto top = static_cast<float>(weight / half_width), slope = static_cast<float>(top / half_width);
-  auto offset = static_cast<float>(first - x);
-  for (int i = first; i <= last; ++i, offset += 1.0F) cells[i] += top - slope * std::abs(offset);
-}
-
 void LineVotes::vote(const SonarArc& arc, double weight) {
-  const double axis = std::atan2(arc.axis.y(), arc.axis.x());
-  const int first = static_cast<int>(std::ceil((axis - arc.half_angle) / parameters_.theta_bin));
-  const int last = std::max(first, static_cast<int>(std::floor((axis + arc.half_angle) / parameters_.theta_bin)));
-  const Vector2 p = arc.sensor - extent_.centre;
+  const double axis = std::atan2(arc.axis.y(), arc.axis.x()), bin = parameters_.theta_bin;
+  const int first = static_cast<int>(std::ceil((axis - arc.half_angle) / bin));
+  const int last = std::max(first, static_cast<int>(std::floor((axis + arc.half_angle) / bin)));
+  const Spread spread(arc.sigma / parameters_.rho_bin, weight / (last - first + 1));
+  const Vector2 p = (arc.sensor - extent_.centre) / parameters_.rho_bin;
+  const double zero = arc.range / parameters_.rho_bin + 0.5 * (grid_.columns() - 1);
   const int rows = grid_.rows();
   for (int i = first; i <= last; ++i) {
-    const int row = (i % rows + rows) % rows;
-    spread(row, normals_[static_cast<std::size_t>(row)].dot(p) + arc.range, arc.sigma, weight / (last - first + 1));
+    const int row = i < 0 ? i + rows : (i >= rows ? i - rows : i);
+    spread.add(grid_, row, normals_[static_cast<std::size_t>(row)].dot(p) + zero);
   }
 }
 
 void LineVotes::vote(const PointWithCovariance& point, double weight) {
-  const Vector2 p = point.position - extent_.centre;
+  const Vector2 p = (point.position - extent_.centre) / parameters_.rho_bin;
+  const double zero = 0.5 * (grid_.columns() - 1);
   for (int row = 0; row < grid_.rows(); ++row) {
     const Vector2& n = normals_[static_cast<std::size_t>(row)];
-    spread(row, n.dot(p), std::sqrt(std::max(0.0, n.dot(point.covariance * n))), weight);
+    const double sigma = std::sqrt(std::max(0.0, n.dot(point.covariance * n)));
+    Spread(sigma / parameters_.rho_bin, weight).add(grid_, row, n.dot(p) + zero);
   }
 }
 
@@ -118,21 +132,16 @@ CircleVotes::CircleVotes(const HoughParameters& parameters, const Extent& extent
   corner_ = extent.centre - Vector2::Constant(0.5 * cells_ * parameters.centre_bin);
 }
 
-void CircleVotes::add(int layer, const Vector2& p, double distance, double weight) {
-  const double scale = 1.0 / parameters_.centre_bin;
-  const double x0 = (p.x() - corner_.x()) * scale, y0 = (p.y() - corner_.y()) * scale, d = distance * scale;
+void CircleVotes::vote(int layer, const Vector2& position, double distance, double weight) {
+  const Vector2 p = (position - corner_) / parameters_.centre_bin;
+  const auto x0 = static_cast<float>(p.x()), y0 = static_cast<float>(p.y());
+  const auto d = static_cast<float>(distance / parameters_.centre_bin), limit = static_cast<float>(cells_);
   const auto share = static_cast<float>(weight / static_cast<double>(directions_.size()));
-  float* cells = grid_.cells(layer * cells_);
-  int low = cells_, high = -1;
-  for (const Vector2& u : directions_) {
-    const double x = x0 + d * u.x(), y = y0 + d * u.y();
-    if (x < 0.0 || y < 0.0 || x >= cells_ || y >= cells_) continue;
-    const int row = static_cast<int>(y);
-    cells[row * cells_ + static_cast<int>(x)] += share;
-    low = std::min(low, row);
-    high = std::max(high, row);
+  for (const Eigen::Vector2f& u : directions_) {
+    const float x = x0 + d * u.x(), y = y0 + d * u.y();
+    if (x < 0.0F || y < 0.0F || x >= limit || y >= limit) continue;
+    grid_.add(layer * cells_ + static_cast<int>(y), static_cast<int>(x), share);
   }
-  if (low <= high) grid_.touch(layer * cells_ + low, layer * cells_ + high);
 }
 
 void CircleVotes::vote(const SonarArc& arc, double weight) {
@@ -144,11 +153,11 @@ void CircleVotes::vote(const SonarArc& arc, double weight) {
   u = {arc.axis.x() * u.x() - arc.axis.y() * u.y(), arc.axis.y() * u.x() + arc.axis.x() * u.y()};
   directions_.clear();
   for (int i = 0; i < samples; ++i) {
-    directions_.push_back(u);
+    directions_.push_back(u.cast<float>());
     u = {turn.x() * u.x() - turn.y() * u.y(), turn.y() * u.x() + turn.x() * u.y()};
   }
   for (int layer = 0; layer < layers_; ++layer) {
-    add(layer, arc.sensor, arc.range + layer * parameters_.radius_bin, weight);
+    vote(layer, arc.sensor, arc.range + layer * parameters_.radius_bin, weight);
   }
 }
 
@@ -159,9 +168,9 @@ void CircleVotes::vote(const PointWithCovariance& point, double weight) {
     directions_.clear();
     for (int i = 0; i < samples; ++i) {
       const double angle = kTwoPi * i / samples;
-      directions_.emplace_back(std::cos(angle), std::sin(angle));
+      directions_.push_back(Vector2(std::cos(angle), std::sin(angle)).cast<float>());
     }
-    add(layer, point.position, radius, weight);
+    vote(layer, point.position, radius, weight);
   }
 }
 

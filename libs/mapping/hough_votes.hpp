@@ -65,8 +65,6 @@ class LineVotes {
   void allow_all() { grid_.allow_all(); }
 
  private:
-  void spread(int row, double rho, double sigma, double weight);
-
   HoughParameters parameters_;
   Extent extent_;
   bool undirected_;
@@ -79,7 +77,7 @@ class CircleVotes {
  public:
   CircleVotes(const HoughParameters& parameters, const Extent& extent);
 
-  /// A return on a convex cylinder of radius R has its centre at p + (r + R) u for some u in the cone; weight 1 in
+  /// A return on a convex cylinder of radius R has its centre at p + (r + R) u for some u in the cone: weight 1 in
   /// each layer.
   void vote(const SonarArc& arc, double weight);
   /// A point of the surface has the centre at distance R in any direction.
@@ -95,13 +93,14 @@ class CircleVotes {
   void allow_all() { grid_.allow_all(); }
 
  private:
-  void add(int layer, const Vector2& p, double distance, double weight);
+  /// Votes for the cells at a distance from a point, in `directions_`.
+  void vote(int layer, const Vector2& position, double distance, double weight);
 
   HoughParameters parameters_;
   Vector2 corner_;  // of cell (0, 0)
   int cells_;       // per side
   int layers_;
-  std::vector<Vector2> directions_;  // of the arc being voted
+  std::vector<Eigen::Vector2f> directions_;  // of what is being voted, scratch
   VoteGrid grid_;
 };
 

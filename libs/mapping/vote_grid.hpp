@@ -1,15 +1,17 @@
 #pragma once
 /// A rectangle of votes that answers quickly where the most are.
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace noctule::mapping {
 
-/// Votes in rows of equal length, contiguous. Keeps the largest vote of each row and recounts only the rows that
-/// changed: taking an object's votes out and asking for the next peak costs what the object covers, not the whole grid.
+/// Votes in rows of equal length, contiguous. Knows for each row a bound that no vote in it exceeds; a search counts
+/// anew only rows whose bound promises more than what it has found.
 class VoteGrid {
  public:
   struct Peak {
@@ -22,51 +24,60 @@ class VoteGrid {
   VoteGrid(int rows, int columns)
       : columns_(columns),
         votes_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), 0.0F),
-        best_(static_cast<std::size_t>(rows), 0.0F),
-        stale_(static_cast<std::size_t>(rows), 0),
+        bound_(static_cast<std::size_t>(rows), 0.0F),
         restricted_(static_cast<std::size_t>(rows), 0) {}
 
-  [[nodiscard]] int rows() const { return static_cast<int>(best_.size()); }
+  [[nodiscard]] int rows() const { return static_cast<int>(bound_.size()); }
   [[nodiscard]] int columns() const { return columns_; }
 
-  /// The cells of row `r` and those after it, for writing; every row that is written to must be `touch`ed.
-  [[nodiscard]] float* cells(int r) { return votes_.data() + index(r, 0); }
-  void touch(int first_row, int last_row) {
-    std::fill(stale_.begin() + first_row, stale_.begin() + last_row + 1, std::uint8_t{1});
+  void add(int row, int column, float votes) {
+    float& cell = votes_[index(row, column)];
+    cell += votes;
+    raise(row, cell);
+  }
+  /// Adds to the cells from `first` on.
+  template <int N>
+  void add(int row, int first, const Eigen::Array<float, N, 1>& votes) {
+    Eigen::Map<Eigen::Array<float, N, 1>> cells(votes_.data() + index(row, first));
+    cells += votes;
+    raise(row, cells.maxCoeff());
   }
 
   /// Leaves cells [first, last] of a row out of `best`, until `allow_all`.
   void forbid(int row, int first, int last) {
     forbidden_.push_back({row, std::max(first, 0), std::min(last, columns_ - 1)});
     restricted_[static_cast<std::size_t>(row)] = 1;
-    touch(row, row);
   }
   void allow_all() {
-    for (const Stretch& f : forbidden_) touch(f.row, f.row);
+    for (const Stretch& f : forbidden_) bound_[static_cast<std::size_t>(f.row)] = std::numeric_limits<float>::max();
     forbidden_.clear();
     std::fill(restricted_.begin(), restricted_.end(), std::uint8_t{0});
   }
 
   /// The cell with the most votes, more than `threshold`; the first of equals.
   [[nodiscard]] Peak best(float threshold) {
-    Peak peak{.votes = threshold};
+    if (bound_.empty()) return {};
+    const auto promising = static_cast<int>(std::max_element(bound_.begin(), bound_.end()) - bound_.begin());
+    const float least = row_peak(promising).votes;
+    Peak best{.votes = threshold};
     for (int r = 0; r < rows(); ++r) {
-      const auto i = static_cast<std::size_t>(r);
-      if (stale_[i] != 0) {
-        best_[i] = row_peak(r).votes;
-        stale_[i] = 0;
-      }
-      if (best_[i] > peak.votes) {
-        peak.row = r;
-        peak.votes = best_[i];
-      }
+      float& bound = bound_[static_cast<std::size_t>(r)];
+      if (bound < least || bound <= best.votes) continue;
+      const Peak peak = row_peak(r);
+      bound = peak.votes;
+      if (peak.votes > best.votes) best = peak;
     }
-    return peak.row < 0 ? peak : row_peak(peak.row);
+    return best;
   }
 
  private:
   [[nodiscard]] std::size_t index(int row, int column) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+  }
+
+  void raise(int row, float votes) {
+    float& bound = bound_[static_cast<std::size_t>(row)];
+    bound = std::max(bound, votes);
   }
 
   [[nodiscard]] Peak row_peak(int r) const {
@@ -111,8 +122,7 @@ class VoteGrid {
 
   int columns_ = 0;
   std::vector<float> votes_;
-  std::vector<float> best_;               // of each row
-  std::vector<std::uint8_t> stale_;       // rows whose best_ must be found anew
+  std::vector<float> bound_;              // of the votes of each row that are not forbidden
   std::vector<std::uint8_t> restricted_;  // rows with forbidden cells
   std::vector<Stretch> forbidden_;
 };

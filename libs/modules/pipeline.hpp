@@ -26,6 +26,8 @@ class Pipeline {
   /// \throws InputError when the source cannot be opened
   Pipeline(bus::Bus& bus, const PipelineParameters& parameters, Threads threads);
 
+  /// When the next observation was measured [us]; nothing at the end.
+  [[nodiscard]] std::optional<std::int64_t> next_utime() { return source_->next_utime(); }
   /// Takes one observation through all modules. False at the end, when all modules have said their last words.
   [[nodiscard]] bool step();
   /// Ends the run early, as if the source had come to its end.

@@ -1,9 +1,9 @@
 #include "report/map_figure.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "core/symmetric_eigen.hpp"
 #include "report/text.hpp"
 #include "report/ticks.hpp"
 
@@ -82,9 +82,9 @@ void MapFigure::cross(const Vector2& centre, const std::string& css_class) {
 
 void MapFigure::ellipse(const Vector2& centre, const Matrix2& covariance, const std::string& css_class) {
   if (!covariance.allFinite() || !centre.allFinite()) return;
-  const Eigen::SelfAdjointEigenSolver<Matrix2> eigen(covariance);
-  const Vector2 axes = kSigmas * scale_ * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const Vector2 major = eigen.eigenvectors().col(1);
+  const SymmetricEigen<2> eigen = symmetric_eigen<2>(covariance);
+  const Vector2 axes = kSigmas * scale_ * eigen.values.cwiseMax(0.0).cwiseSqrt();
+  const Vector2 major = eigen.vectors.col(1);
   const Vector2 c = place(centre);
   const double tilt = -degrees(std::atan2(major.y(), major.x()));  // the picture's y axis points down
   body_ += "<ellipse" + css(css_class) + attribute("rx", axes[1]) + attribute("ry", axes[0]) +

@@ -9,49 +9,85 @@
 namespace noctule::filters {
 namespace {
 
-constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Innovation (range, direction) of an echo with its Jacobian.
+/// Log of 1 / (2 pi), the top of a Gaussian of two numbers of unit variance.
+const double kLogTop = -std::log(kTwoPi);
+
+/// Range part of the innovation of an echo.
+template <class Hypothesis>
+struct RangeInnovation {
+  PredictedEcho<Hypothesis::kSize> predicted;
+  double value;
+  VectorD<Hypothesis::kSize> cross;  // covariance of the parameters with the predicted range
+  double variance;
+
+  RangeInnovation(const Hypothesis& h, const PlacedEcho& e)
+      : predicted(h.predict(e.sensor)),
+        value(e.range - predicted.range),
+        cross(h.covariance * predicted.range_slope),
+        variance(predicted.range_slope.dot(cross) + e.range_variance) {}
+};
+
+/// The whole innovation (range, direction) with its covariance S, 2 x 2 and written out: this is the innermost of all
+/// loops.
 template <class Hypothesis>
 struct Innovation {
-  Vector2 value;
-  Eigen::Matrix<double, 2, Hypothesis::kSize> jacobian;
-  Matrix2 noise;
+  RangeInnovation<Hypothesis> range;
+  double direction;
+  VectorD<Hypothesis::kSize> cross;  // covariance of the parameters with the predicted direction
+  double covariance, variance;       // S of range and direction, and of direction
+  double determinant;
 
-  Innovation(const Hypothesis& h, const PlacedEcho& e) : noise(Matrix2::Zero()) {
-    const auto prediction = h.predict(e);
-    value << e.range - prediction.range, wrap(e.axis - prediction.direction);
-    jacobian.row(0) = prediction.range_by_feature;
-    jacobian.row(1) = prediction.direction_by_feature;
-    noise(0, 0) = e.range_variance;
-    noise(1, 1) = e.bearing_variance;
+  Innovation(const Hypothesis& h, const PlacedEcho& e) : range(h, e) {
+    const Vector2& u = range.predicted.direction;
+    const auto& slope = range.predicted.direction_slope;
+    direction = std::atan2(u.x() * e.axis.y() - u.y() * e.axis.x(), u.dot(e.axis));
+    cross = h.covariance * slope;
+    covariance = slope.dot(range.cross);
+    variance = slope.dot(cross) + e.bearing_variance;
+    determinant = range.variance * variance - covariance * covariance;
+  }
+  /// Innovation' S^-1 innovation.
+  [[nodiscard]] double distance2() const {
+    return (variance * range.value * range.value - 2.0 * covariance * range.value * direction +
+            range.variance * direction * direction) /
+           determinant;
   }
 };
 
+/// Whether the echo may be likelier than clutter, as far as the range tells: saves most echoes their arc tangent.
 template <class Hypothesis>
-double log_density(const Hypothesis& h, const PlacedEcho& e) {
-  if (!h.in_view(e)) return kMinusInfinity;
-  const Innovation<Hypothesis> i(h, e);
-  // The 2 x 2 Gaussian written out: this is the innermost of all loops.
-  const Matrix2 s = i.jacobian * h.covariance * i.jacobian.transpose() + i.noise;
-  const double determinant = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
-  const double d2 = (s(1, 1) * i.value[0] * i.value[0] - 2.0 * s(0, 1) * i.value[0] * i.value[1] +
-                     s(0, 0) * i.value[1] * i.value[1]) /
-                    determinant;
-  return -0.5 * (d2 + std::log(determinant)) - std::log(kTwoPi);
+bool may_explain(const Hypothesis& h, const PlacedEcho& e) {
+  if (!h.in_view(e)) return false;
+  const RangeInnovation<Hypothesis> i(h, e);
+  return i.value * i.value <= e.gate2 * i.variance;
 }
 
 template <class Hypothesis>
+double log_density(const Hypothesis& h, const PlacedEcho& e) {
+  if (!h.in_view(e)) return -kInfinity;
+  const Innovation<Hypothesis> i(h, e);
+  return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
+}
+
+/// Kalman update, P -= P H' S^-1 H P: with noises as large as these the result is far from indefinite.
+template <class Hypothesis>
 double update(Hypothesis& h, const PlacedEcho& e) {
   const Innovation<Hypothesis> i(h, e);
-  const double nis = joseph_update<Hypothesis::kSize, 2>(h.mean, h.covariance, i.value, i.jacobian, i.noise).nis;
+  using Gain = VectorD<Hypothesis::kSize>;
+  const Gain by_range = (i.variance * i.range.cross - i.covariance * i.cross) / i.determinant;
+  const Gain by_direction = (i.range.variance * i.cross - i.covariance * i.range.cross) / i.determinant;
+  h.mean += i.range.value * by_range + i.direction * by_direction;
+  h.covariance -= by_range * i.range.cross.transpose() + by_direction * i.cross.transpose();
+  symmetrise(h.covariance);
   h.refresh();
-  return nis;
+  return i.distance2();
 }
 
 template <class Hypothesis>
 bool expects(const Hypothesis& h, const PlacedEcho& e, double separation) {
-  return h.in_view(e) && std::abs(e.range - h.predict(e).range) < separation;
+  return h.in_view(e) && std::abs(e.range - h.predict(e.sensor).range) < separation;
 }
 
 WallHypothesis start_wall(const ContourFeature& f, const Vector2& surface, const Pose2& base,
@@ -103,9 +139,10 @@ ContourLandmark::ContourLandmark(const ContourFeature& feature, const Pose2& bas
   if (feature.type == ContourType::point) kind_ = LandmarkKind::point;
 }
 
-double ContourLandmark::log_likelihood(const PlacedEcho& echo) const {
-  if (kind_ == LandmarkKind::wall) return log_density(wall_, echo);
-  if (kind_ != LandmarkKind::undecided) return log_density(circle_, echo);
+double ContourLandmark::log_likelihood_in_view(const PlacedEcho& echo) const {
+  if (kind_ == LandmarkKind::wall) return may_explain(wall_, echo) ? log_density(wall_, echo) : -kInfinity;
+  if (kind_ != LandmarkKind::undecided) return may_explain(circle_, echo) ? log_density(circle_, echo) : -kInfinity;
+  if (!may_explain(wall_, echo) && !may_explain(circle_, echo)) return -kInfinity;
   // Odds of the two types given what was heard so far, equal at first.
   return log_add_exp(log_ratio_ + log_density(wall_, echo), log_density(circle_, echo)) - log_add_exp(log_ratio_, 0.0);
 }

@@ -3,24 +3,35 @@
 /// particle's path, fed by single echoes. Errors of linearisation stay small because a wall's line is kept about an
 /// anchor near the place it was first heard from.
 #include <cstdint>
+#include <limits>
 
 #include "core/estimate.hpp"
 #include "core/features.hpp"
 #include "core/gaussian.hpp"
 #include "filters/slam/parameters.hpp"
-#include "models/ultrasonic.hpp"
 
 namespace noctule::filters {
 
 /// One echo as a particle places it, map frame.
 struct PlacedEcho {
   Vector2 sensor;                 ///< where it was heard [m]
-  double axis = 0.0;              ///< direction of the cone's axis [rad]
-  Vector2 axis_unit;              ///< the same as a vector
+  Vector2 axis;                   ///< direction of the cone's axis, unit vector
   double gate_cosine = 0.0;       ///< landmarks in directions farther from the axis cannot have made it
   double range = 0.0;             ///< [m]
   double range_variance = 0.0;    ///< [m^2]
   double bearing_variance = 0.0;  ///< of the true direction about the axis [rad^2]
+  /// Squared normalised innovation beyond which no landmark, however certain, explains it better than clutter does.
+  double gate2 = std::numeric_limits<double>::infinity();
+};
+
+/// Echo of a hypothesis with D parameters as a sensor should hear it, with derivatives by the parameters
+/// (models/ultrasonic.hpp, with the direction as a unit vector).
+template <int D>
+struct PredictedEcho {
+  double range;                ///< [m]
+  Vector2 direction;           ///< unit vector
+  VectorD<D> range_slope;      ///< d range / d parameters
+  VectorD<D> direction_slope;  ///< d direction [rad] / d parameters
 };
 
 /// A wall (rho, theta) about `anchor`: rho is the signed distance from the anchor.
@@ -32,10 +43,11 @@ struct WallHypothesis {
   Vector2 normal = Vector2::UnitX();  ///< of the mean
 
   [[nodiscard]] bool in_view(const PlacedEcho& e) const {
-    return normal.dot(e.axis_unit) >= e.gate_cosine && mean[0] > normal.dot(e.sensor - anchor);
+    return normal.dot(e.axis) >= e.gate_cosine && mean[0] > normal.dot(e.sensor - anchor);
   }
-  [[nodiscard]] models::EchoPrediction<2> predict(const PlacedEcho& e) const {
-    return models::predict_echo(Vector2(e.sensor - anchor), Wall{mean[0], mean[1]});
+  [[nodiscard]] PredictedEcho<2> predict(const Vector2& sensor) const {
+    const Vector2 p = sensor - anchor;
+    return {mean[0] - normal.dot(p), normal, {1.0, normal.y() * p.x() - normal.x() * p.y()}, {0.0, 1.0}};
   }
   void refresh() {
     mean[1] = wrap(mean[1]);
@@ -52,12 +64,18 @@ struct CircleHypothesis {
   [[nodiscard]] bool in_view(const PlacedEcho& e) const {
     const Vector2 d = mean.head<2>() - e.sensor;
     const double length = d.norm();
-    return d.dot(e.axis_unit) >= e.gate_cosine * length && length > mean[2];
+    return d.dot(e.axis) >= e.gate_cosine * length && length > mean[2];
   }
-  [[nodiscard]] models::EchoPrediction<3> predict(const PlacedEcho& e) const {
-    return models::predict_echo(e.sensor, Cylinder{mean.head<2>(), mean[2]});
+  [[nodiscard]] PredictedEcho<3> predict(const Vector2& sensor) const {
+    const Vector2 d = mean.head<2>() - sensor;
+    const double scale = 1.0 / std::max(d.norm(), kNearest);
+    const Vector2 u = scale * d;
+    return {d.dot(u) - mean[2], u, {u.x(), u.y(), -1.0}, {-scale * u.y(), scale * u.x(), 0.0}};
   }
   void refresh() {}
+
+ private:
+  static constexpr double kNearest = 1e-6;  // [m]; a sensor on the centre hears no direction
 };
 
 /// A landmark heard by ultrasound. One or two hypotheses live side by side until the echoes have decided.
@@ -71,8 +89,11 @@ class ContourLandmark {
                   const ContourLandmarkParameters& parameters);
 
   /// Log density of the echo's range and direction given everything this landmark has heard, per metre and radian;
-  /// -inf when it is out of view. While the type is open, the mixture of both.
-  [[nodiscard]] double log_likelihood(const PlacedEcho& echo) const;
+  /// -inf when it is out of view, or so far off (PlacedEcho::gate2) that clutter explains the echo better. While the
+  /// type is open, the mixture of both.
+  [[nodiscard]] double log_likelihood(const PlacedEcho& echo) const {
+    return in_view(echo) ? log_likelihood_in_view(echo) : -std::numeric_limits<double>::infinity();
+  }
 
   /// Takes in an echo that this landmark explains better than clutter does. While the type is open, each hypothesis
   /// takes it unless clutter explains it better than that hypothesis, and the type is decided when it can be.
@@ -92,6 +113,13 @@ class ContourLandmark {
   [[nodiscard]] LandmarkKind kind() const { return kind_; }
 
  private:
+  /// Of any hypothesis.
+  [[nodiscard]] bool in_view(const PlacedEcho& echo) const {
+    if (kind_ == LandmarkKind::wall) return wall_.in_view(echo);
+    return circle_.in_view(echo) || (kind_ == LandmarkKind::undecided && wall_.in_view(echo));
+  }
+  [[nodiscard]] double log_likelihood_in_view(const PlacedEcho& echo) const;
+
   std::int64_t id_;
   LandmarkKind kind_ = LandmarkKind::undecided;
   WallHypothesis wall_;

@@ -20,8 +20,13 @@ ContourObservation::ContourObservation(const UltrasonicScan& scan, const Contour
     const double sd = parameters.echo.range_noise.sd(beam.range);
     ping_of_beam[i] = pings_.size();
     const Pose2& sensor = beam.sensor_in_base;
-    pings_.push_back(
-        {sensor.position(), sensor.yaw, {std::cos(sensor.yaw), std::sin(sensor.yaw)}, beam.range, sd * sd});
+    // Of all landmarks, one that is known exactly has the highest density at a given normalised innovation.
+    const double log_top = -std::log(kTwoPi * sd * bearing_sd);
+    pings_.push_back({.sensor_in_base = sensor.position(),
+                      .axis = {std::cos(sensor.yaw), std::sin(sensor.yaw)},
+                      .range = beam.range,
+                      .range_variance = sd * sd,
+                      .gate2 = 2.0 * (log_top - log_clutter_)});
   }
   for (std::size_t k = 0; k < features.features.size(); ++k) {
     const ContourFeature& feature = features.features[k];
@@ -42,12 +47,12 @@ ContourObservation::Frame::Frame(const Pose2& pose) : base(pose) {
 
 PlacedEcho ContourObservation::place(const Frame& frame, const Ping& ping) const {
   return {.sensor = frame.base.position() + frame.rotation * ping.sensor_in_base,
-          .axis = frame.base.yaw + ping.axis,
-          .axis_unit = frame.rotation * ping.axis_unit,
+          .axis = frame.rotation * ping.axis,
           .gate_cosine = gate_cosine_,
           .range = ping.range,
           .range_variance = ping.range_variance,
-          .bearing_variance = bearing_variance_};
+          .bearing_variance = bearing_variance_,
+          .gate2 = ping.gate2};
 }
 
 ObservationFit ContourObservation::apply(const Pose2& base, std::vector<ContourLandmark>& map,
@@ -78,9 +83,12 @@ ObservationFit ContourObservation::apply(const Pose2& base, std::vector<ContourL
 
 bool ContourObservation::is_known(const ContourFeature& feature, const Frame& frame,
                                   const std::vector<ContourLandmark>& map) const {
-  const double range = std::max(feature.surface.norm(), 1e-3),
-               direction = std::atan2(feature.surface.y(), feature.surface.x());
-  const PlacedEcho echo = place(frame, {Vector2::Zero(), direction, feature.surface / range, range, 0.0});
+  const double range = std::max(feature.surface.norm(), 1e-3);
+  const PlacedEcho echo = place(frame, {.sensor_in_base = Vector2::Zero(),
+                                        .axis = feature.surface / range,
+                                        .range = range,
+                                        .range_variance = 0.0,
+                                        .gate2 = 0.0});
   const double separation = parameters_.contour_landmarks.separation;
   return std::ranges::any_of(map, [&](const ContourLandmark& l) { return l.expects_near(echo, separation); });
 }

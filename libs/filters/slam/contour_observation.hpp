@@ -34,10 +34,10 @@ class ContourObservation {
  private:
   struct Ping {
     Vector2 sensor_in_base;
-    double axis;  ///< in base_link [rad]
-    Vector2 axis_unit;
+    Vector2 axis;  ///< unit vector in base_link
     double range;
     double range_variance;
+    double gate2;  ///< see PlacedEcho
   };
   /// Pose of a particle with its rotation matrix, made once for all pings.
   struct Frame {

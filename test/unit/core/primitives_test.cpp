@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <limits>
@@ -103,6 +104,15 @@ TEST(Gaussian, SquareRootOfASingularCovariance) {
   const MatrixD<3> p = v * v.transpose();
   const MatrixD<3> a = square_root<3>(p);
   EXPECT_LT((a * a.transpose() - p).norm(), 1e-12);
+}
+
+TEST(SymmetricEigen, RebuildsTheMatrixFromOrderedValues) {
+  const MatrixD<3> m{{4, 1, -2}, {1, 3, 0.5}, {-2, 0.5, 5}};
+  const auto [values, vectors] = symmetric_eigen<3>(m);
+  EXPECT_LE(values[0], values[1]);
+  EXPECT_LE(values[1], values[2]);
+  EXPECT_LT((vectors * values.asDiagonal() * vectors.transpose() - m).norm(), 1e-12);
+  EXPECT_LT((vectors.transpose() * vectors - MatrixD<3>::Identity()).norm(), 1e-12);
 }
 
 TEST(Gaussian, NotPositiveDefiniteThrows) {

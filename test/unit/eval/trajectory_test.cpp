@@ -90,19 +90,17 @@ TEST(Segments, BeginAtEachMoveAndEndAtTheLength) {
   }
   EXPECT_EQ(segments_by_length(pairs, 1.0), (std::vector<Segment>{{0, 3}, {1, 4}, {3, 5}}));
   EXPECT_TRUE(segments_by_length(pairs, 2.1).empty());
-  EXPECT_EQ(segments_by_count(pairs, 4), (std::vector<Segment>{{0, 4}, {1, 5}}));
-  EXPECT_TRUE(segments_by_count({}, 1).empty());
 }
 
 TEST(RelativePoseErrors, OfAScaledAndTurningOdometer) {
   std::vector<PosePair> pairs;
   for (int i = 0; i < 5; ++i) pairs.push_back({i, {1.02 * i, 0, 0.0}, {1.0 * i, 0, 0}});
-  RelativePoseErrors e = relative_pose_errors(pairs, segments_by_count(pairs, 2));
+  RelativePoseErrors e = relative_pose_errors(pairs, segments_by_steps(pairs.size(), 2, SegmentStarts::every_pose));
   EXPECT_EQ(e.segments, 3);
   EXPECT_NEAR(e.translation_rmse, 0.04, 1e-12);
   EXPECT_NEAR(e.rotation_rmse, 0.0, 1e-12);
   for (int i = 0; i < 5; ++i) pairs[static_cast<std::size_t>(i)].estimate = {1.0 * i, 0, 0.1 * i};
-  e = relative_pose_errors(pairs, segments_by_count(pairs, 1));
+  e = relative_pose_errors(pairs, segments_by_steps(pairs.size(), 1, SegmentStarts::every_pose));
   EXPECT_NEAR(e.rotation_rmse, 0.1, 1e-12);
   EXPECT_TRUE(std::isnan(relative_pose_errors(pairs, {}).translation_rmse));
 }

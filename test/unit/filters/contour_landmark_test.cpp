@@ -9,8 +9,7 @@ namespace {
 
 PlacedEcho echo_at(const Vector2& sensor, double axis, double range, double sd = 0.01) {
   return {.sensor = sensor,
-          .axis = axis,
-          .axis_unit = {std::cos(axis), std::sin(axis)},
+          .axis = {std::cos(axis), std::sin(axis)},
           .gate_cosine = std::cos(0.5),
           .range = range,
           .range_variance = sd * sd,

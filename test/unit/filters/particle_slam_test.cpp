@@ -163,9 +163,10 @@ TEST(ParticleSlam, EqualBitsForAnyThreadsAndOnRepeat) {
     play(r, filter);
     std::vector<double> numbers;
     const auto note = [&](const Pose2& q) { numbers.insert(numbers.end(), {q.x, q.y, q.yaw}); };
-    note(filter.estimate().pose);
-    numbers.insert(numbers.end(), filter.estimate().covariance.data(), filter.estimate().covariance.data() + 9);
-    numbers.insert(numbers.end(), {filter.estimate().nis, filter.estimate().effective_sample_size});
+    const SlamEstimate estimate = filter.estimate();
+    note(estimate.pose);
+    numbers.insert(numbers.end(), estimate.covariance.data(), estimate.covariance.data() + 9);
+    numbers.insert(numbers.end(), {estimate.nis, estimate.effective_sample_size});
     for (const auto& q : filter.path().poses) note(q.pose);
     for (const auto& q : filter.particles(1000).particles) note(q.pose);
     for (const auto& l : filter.map().landmarks) {

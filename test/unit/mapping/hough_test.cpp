@@ -22,24 +22,20 @@ SonarArc arc_at(const Vector2& p, double axis, double range) {
 
 TEST(VoteGrid, FindsThePeakAndPassesOverForbiddenCells) {
   VoteGrid grid(3, 40);
-  const auto vote = [&](int row, int column, float votes) {
-    grid.cells(row)[column] += votes;
-    grid.touch(row, row);
-  };
   EXPECT_EQ(grid.best(0.0F).row, -1);
-  vote(1, 39, 2.0F);
-  vote(2, 0, 1.0F);
+  grid.add(1, 39, 2.0F);
+  grid.add(2, 0, 1.0F);
   EXPECT_EQ(grid.best(0.0F).column, 39);
   EXPECT_EQ(grid.best(2.0F).row, -1);
   grid.forbid(1, 37, 60);
   EXPECT_EQ(grid.best(0.0F).row, 2);
-  vote(1, 20, 1.5F);
+  grid.add(1, 20, 1.5F);
   EXPECT_EQ(grid.best(0.0F).column, 20);
   grid.forbid(1, 19, 38);
   EXPECT_EQ(grid.best(0.0F).row, 2);
   grid.allow_all();
   EXPECT_EQ(grid.best(0.0F).column, 39);
-  vote(1, 39, -2.0F);
+  grid.add(1, 39, -2.0F);
   EXPECT_EQ(grid.best(0.0F).column, 20);
 }
 

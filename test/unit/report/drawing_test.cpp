@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <limits>
-#include <regex>
 
 #include "report/chart.hpp"
 #include "report/map_figure.hpp"
 #include "report/text.hpp"
 #include "report/ticks.hpp"
+#include "unit/report/find_text.hpp"
 
 namespace noctule::report {
 namespace {
@@ -22,9 +22,8 @@ std::size_t count(const std::string& text, const std::string& word) {
 }
 
 double attribute(const std::string& svg, const std::string& css_class, const std::string& name) {
-  std::smatch match;
-  const std::regex pattern("class=\"" + css_class + "\"[^>]* " + name + "=\"([-0-9.]+)\"");
-  return std::regex_search(svg, match, pattern) ? std::strtod(match[1].str().c_str(), nullptr) : kNan;
+  const std::string element = text_between(svg, "class=\"" + css_class + "\"", ">");
+  return number(text_between(element, " " + name + "=\"", "\""));
 }
 
 TEST(Text, Numbers) {
@@ -120,9 +119,7 @@ TEST(MapFigure, EllipsesPointTheRightWay) {
   figure.pose_uncertainty(std::vector<SlamEstimate>{e}, 10);
   const std::string svg = figure.svg("", "");
   EXPECT_NEAR(attribute(svg, "pose-ellipse", "rx") / attribute(svg, "pose-ellipse", "ry"), sigma / small, 0.01);
-  std::smatch match;
-  ASSERT_TRUE(std::regex_search(svg, match, std::regex("rotate\\(([-0-9.]+)\\)")));
-  const double angle = std::strtod(match[1].str().c_str(), nullptr);
+  const double angle = number(text_between(svg, "rotate(", ")"));
   EXPECT_NEAR(std::remainder(angle + 30.0, 180.0), 0.0, 0.01) << "counter-clockwise is negative where y points down";
 }
 
@@ -138,11 +135,10 @@ TEST(MapFigure, BandIsThreeSigmaWideAtTheFoot) {
   MapFigure figure(extent, 500, 500);
   figure.uncertainty(map);
   const std::string svg = figure.svg("", "");
-  std::smatch match;
-  ASSERT_TRUE(std::regex_search(svg, match, std::regex("class=\"band\" d=\"M([0-9.]+) .*L([0-9.]+) [0-9.]+Z")));
+  const std::string outline =
+      text_between(svg, "class=\"band\" d=\"M", "Z\"");  // there along one side, back along the other
   const double scale = (500 - 2 * 26 - 20) / 2.0;
-  EXPECT_NEAR(std::strtod(match[1].str().c_str(), nullptr) - std::strtod(match[2].str().c_str(), nullptr),
-              2 * 3 * 0.02 * scale, 0.05);
+  EXPECT_NEAR(number(outline) - number(outline.substr(outline.rfind('L') + 1)), 2 * 3 * 0.02 * scale, 0.05);
 }
 
 TEST(MapFigure, SurvivesWhatIsNotANumber) {
@@ -176,13 +172,10 @@ TEST(Chart, LongSeriesStaySmallAndKeepTheirSpikes) {
   const std::string html = chart_html(chart);
   EXPECT_LT(html.size(), 60'000u);
   // The spike reaches up to the 6 % that are left above the largest value.
-  std::smatch match;
-  ASSERT_TRUE(std::regex_search(html, match, std::regex("class=\"line estimate\" d=\"([^\"]*)\"")));
-  const std::string path = match[1];
+  const std::string path = text_between(html, "class=\"line estimate\" d=\"", "\"");
   double top = 1e9;
-  const std::regex point("[ML][-0-9.]+ ([-0-9.]+)");
-  for (std::sregex_iterator it(path.begin(), path.end(), point), end; it != end; ++it) {
-    top = std::min(top, std::strtod((*it)[1].str().c_str(), nullptr));
+  for (std::size_t i = path.find(' '); i != std::string::npos; i = path.find(' ', i + 1)) {
+    top = std::min(top, number(path.substr(i + 1, 8)));
   }
   EXPECT_LT(top, 22.0);
 }
@@ -191,9 +184,7 @@ TEST(Chart, GapsWhereThereIsNoNumber) {
   Chart chart = long_chart(10);
   chart.series[0].values[4] = kNan;
   const std::string html = chart_html(chart);
-  std::smatch match;
-  ASSERT_TRUE(std::regex_search(html, match, std::regex("class=\"line estimate\" d=\"([^\"]*)\"")));
-  EXPECT_EQ(count(match[1], "M"), 2u);
+  EXPECT_EQ(count(text_between(html, "class=\"line estimate\" d=\"", "\""), "M"), 2u);
   EXPECT_EQ(html.find("nan"), std::string::npos);
 }
 

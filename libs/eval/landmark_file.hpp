@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/source.hpp"
+
+namespace noctule::eval {
+
+/// Point landmarks from CSV, `id,x,y` a line, metres in the map frame; the header may be there or not.
+/// \param place of the text, for messages: a file name
+/// \throws InputError `place:line: ...`: not three finite numbers, an id that is no integer or comes twice
+[[nodiscard]] std::vector<KnownLandmark> parse_landmarks(std::string_view text, const std::string& place);
+
+}  // namespace noctule::eval
