@@ -41,4 +41,8 @@ void report_experiment(const std::filesystem::path& directory);
 void compare_results(const std::string& a, const std::string& b, const std::filesystem::path& folder,
                      const std::filesystem::path& csv);
 
+/// Makes the tables and figures of pages anew from the results beside them. \param check change nothing
+/// \return the exit code: 1 where `check` finds a page that would change or a figure that is in no results
+[[nodiscard]] int refresh_pages(const std::vector<std::filesystem::path>& pages, bool check);
+
 }  // namespace noctule::apps

@@ -30,6 +30,8 @@ int main(int argc, char** argv) {
   fs::path out = "results/experiment", listed;
   std::string a, b;
   fs::path csv;
+  std::vector<fs::path> markdown;
+  bool check = false;
   int jobs = 1;
   std::vector<fs::path> shards;
 
@@ -59,6 +61,10 @@ int main(int argc, char** argv) {
   compare->add_option("--in", out, "folder of those that name none")->capture_default_str();
   compare->add_option("--csv", csv, "write them to this file too");
 
+  CLI::App* pages = app.add_subcommand("pages", "refresh the tables and figures of Markdown pages (docs/results)");
+  pages->add_option("PAGES", markdown, "pages")->required();
+  pages->add_flag("--check", check, "change nothing; fail where a page quotes what its results do not say");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -68,6 +74,7 @@ int main(int argc, char** argv) {
   }
   return apps::run_guarded("noctule-experiment", [&] {
     if (run->parsed()) return apps::run_experiment(arguments, out, jobs, shard);
+    if (pages->parsed()) return apps::refresh_pages(markdown, check);
     if (merge->parsed()) apps::merge_shards(arguments, shards, out);
     if (report->parsed()) apps::report_experiment(out);
     if (compare->parsed()) apps::compare_results(a, b, out, csv);

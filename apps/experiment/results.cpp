@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <fstream>
 #include <iostream>
 #include <sstream>
 
@@ -6,6 +7,7 @@
 #include "config/config.hpp"
 #include "core/error.hpp"
 #include "experiment/csv.hpp"
+#include "experiment/pages.hpp"
 #include "experiment/report.hpp"
 #include "experiment/result_table.hpp"
 #include "report/files.hpp"
@@ -99,6 +101,29 @@ void compare_results(const std::string& a, const std::string& b, const fs::path&
   std::ostringstream text;
   experiment::write_comparisons(text, all);
   report::write_file(csv, text.str());
+}
+
+int refresh_pages(const std::vector<fs::path>& pages, bool check) {
+  int exit_code = 0;
+  for (const fs::path& page : pages) {
+    std::ifstream in(page, std::ios::binary);
+    if (!in) throw InputError(page.string() + ": cannot be read");
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::string fresh = experiment::refreshed_page(text, page);
+    for (const std::string& line : experiment::unsupported_figures(fresh)) {
+      std::cerr << page.string() << ":" << line << " is in no table or figure of the page\n";
+      exit_code = 1;
+    }
+    if (fresh == text) continue;
+    if (check) {
+      std::cerr << page.string() << ": does not say what its results say (scripts/results --pages)\n";
+      exit_code = 1;
+    } else {
+      report::write_file(page, fresh);
+      std::cout << page.string() << "\n";
+    }
+  }
+  return exit_code;
 }
 
 }  // namespace noctule::apps

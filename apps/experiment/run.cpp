@@ -51,7 +51,8 @@ class ProgressLine {
  public:
   void show(const experiment::Progress& p) {
     const int tenth = p.total == 0 ? kTenths : kTenths * p.done / p.total;
-    const std::string left = p.done > p.resumed ? ", " + report::printed_duration(p.seconds_left) + " left" : "";
+    const bool known = p.done > p.resumed && p.done < p.total;
+    const std::string left = known ? ", " + report::printed_duration(p.seconds_left) + " left" : "";
     if (terminal_) {
       std::fprintf(stderr, "\r\x1b[K%d of %d seeds%s", p.done, p.total, left.c_str());
     } else if (tenth != last_tenth_) {
@@ -104,15 +105,13 @@ Shard parse_shard(const std::string& text) {
 
 int run_experiment(const ExperimentArguments& arguments, const fs::path& out, int jobs, const std::string& shard_text) {
   const Shard shard = parse_shard(shard_text);
-  const experiment::Experiment experiment = load_experiment(arguments);
-  const experiment::Plan plan = experiment::make_plan(experiment);
+  const experiment::Plan plan = experiment::make_plan(load_experiment(arguments));
   catch_interrupts();
   ProgressLine line;
-  experiment::run(plan, config::dump(experiment), {out, jobs, shard.index, shard.count},
-                  [&](const experiment::Progress& p) {
-                    line.show(p);
-                    return !interrupted();
-                  });
+  experiment::run(plan, {out, jobs, shard.index, shard.count}, [&](const experiment::Progress& p) {
+    line.show(p);
+    return !interrupted();
+  });
   line.finish();
   if (interrupted()) {
     std::cerr << "interrupted; the same command goes on from here\n";
@@ -123,16 +122,14 @@ int run_experiment(const ExperimentArguments& arguments, const fs::path& out, in
 }
 
 void merge_shards(const ExperimentArguments& arguments, const std::vector<fs::path>& shards, const fs::path& out) {
-  const experiment::Experiment experiment = load_experiment(arguments);
-  experiment::merge(experiment::make_plan(experiment), config::dump(experiment), shards, out);
+  experiment::merge(experiment::make_plan(load_experiment(arguments)), shards, out);
   std::cout << (out / "summary.csv").string() << "\n";
 }
 
 void list_experiment(const ExperimentArguments& arguments, const fs::path& out) {
-  const experiment::Experiment experiment = load_experiment(arguments);
-  const experiment::Plan plan = experiment::make_plan(experiment);
-  std::cout << experiment.name << ": seeds " << experiment.first_seed << " to " << experiment.last_seed << ", "
-            << plan.runs() << " runs\n";
+  const experiment::Plan plan = experiment::make_plan(load_experiment(arguments));
+  const experiment::Experiment& e = plan.experiment;
+  std::cout << e.name << ": seeds " << e.first_seed << " to " << e.last_seed << ", " << plan.runs() << " runs\n";
   for (const experiment::PlannedScenario& s : plan.scenarios) {
     std::cout << "scenario " << s.name << "\n";
     for (const experiment::FilterSpec& f : s.filters) {
@@ -147,7 +144,7 @@ void list_experiment(const ExperimentArguments& arguments, const fs::path& out) 
     std::cout << out.string() << ": nothing done yet\n";
     return;
   }
-  const auto folder = experiment::ResultsFolder::open(out, config::dump(experiment));
+  const auto folder = experiment::ResultsFolder::open(out, e);
   const auto done =
       std::ranges::count_if(plan.pieces, [&](const experiment::Piece& piece) { return folder.has(plan, piece); });
   std::cout << out.string() << ": " << done << " of " << plan.pieces.size() << " seeds done\n";

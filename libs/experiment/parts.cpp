@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "config/config.hpp"
 #include "core/error.hpp"
 #include "experiment/csv.hpp"
 #include "report/files.hpp"
@@ -51,24 +52,40 @@ std::string read_text(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// What makes the figures: the text of the experiment without what only reports look at.
+std::string identity(Experiment experiment) {
+  experiment.name.clear();
+  experiment.references.clear();
+  experiment.plots.clear();
+  for (FilterSpec& filter : experiment.filters) filter.role = Role::compared;
+  return config::dump(experiment);
+}
+
+bool holds(const fs::path& directory, const Experiment& experiment) {
+  try {
+    return identity(config::load<Experiment>(directory / "experiment.yaml")) == identity(experiment);
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
-ResultsFolder ResultsFolder::claim(const fs::path& directory, const std::string& fingerprint) {
+ResultsFolder ResultsFolder::claim(const fs::path& directory, const Experiment& experiment) {
   std::error_code error;
   fs::create_directories(directory / "parts", error);
   if (error) throw InputError(directory.string() + ": cannot be created (" + error.message() + ")");
   const fs::path file = directory / "experiment.yaml";
-  if (!fs::exists(file)) {
-    report::write_file(file, fingerprint);
-  } else if (read_text(file) != fingerprint) {
+  if (fs::exists(file) && !holds(directory, experiment)) {
     throw InputError(directory.string() + ": holds the results of another experiment (see experiment.yaml there); " +
                      "choose another folder or delete it");
   }
+  report::write_file(file, config::dump(experiment));
   return ResultsFolder(directory);
 }
 
-ResultsFolder ResultsFolder::open(const fs::path& directory, const std::string& fingerprint) {
-  if (read_text(directory / "experiment.yaml") != fingerprint) {
+ResultsFolder ResultsFolder::open(const fs::path& directory, const Experiment& experiment) {
+  if (!holds(directory, experiment)) {
     throw InputError(directory.string() + ": holds no results of this experiment (see experiment.yaml there)");
   }
   return ResultsFolder(directory);

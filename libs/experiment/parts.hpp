@@ -13,11 +13,11 @@ namespace noctule::experiment {
 /// The results folder of one experiment.
 class ResultsFolder {
  public:
-  /// Creates the folder, or opens it where it holds the same experiment. \param fingerprint text of the effective
-  /// experiment \throws InputError when it holds another one or cannot be written
-  static ResultsFolder claim(const std::filesystem::path& directory, const std::string& fingerprint);
+  /// Creates the folder, or opens it where it holds the same experiment; what only reports look at (references, plots,
+  /// roles) may differ and is brought up to date. \throws InputError when it holds another one or cannot be written
+  static ResultsFolder claim(const std::filesystem::path& directory, const Experiment&);
   /// \throws InputError unless the folder holds this experiment
-  static ResultsFolder open(const std::filesystem::path& directory, const std::string& fingerprint);
+  static ResultsFolder open(const std::filesystem::path& directory, const Experiment&);
 
   [[nodiscard]] bool has(const Plan&, const Piece&) const;
   /// \param runs one per filter of the scenario

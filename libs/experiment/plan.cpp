@@ -48,9 +48,7 @@ void plan_filters(const Experiment& experiment, std::vector<PlannedScenario>& sc
 }
 
 void plan_metrics(const Experiment& experiment, std::vector<PlannedScenario>& scenarios) {
-  std::vector<std::string> named = experiment.metrics;
-  named.insert(named.end(), experiment.plots.begin(), experiment.plots.end());
-  for (const std::string& metric : named) {
+  for (const std::string& metric : experiment.metrics) {
     const bool measured = std::any_of(scenarios.begin(), scenarios.end(), [&](const PlannedScenario& s) {
       return contains(s.scenario->metrics(), metric);
     });
@@ -70,6 +68,11 @@ void plan_metrics(const Experiment& experiment, std::vector<PlannedScenario>& sc
                        "': measures no metric of the list; it knows: " + list_of(s.scenario->metrics()));
     }
   }
+  for (const std::string& metric : experiment.plots) {
+    const bool kept = std::any_of(scenarios.begin(), scenarios.end(),
+                                  [&](const PlannedScenario& s) { return contains(s.metrics, metric); });
+    if (!kept) throw InputError("plots: no scenario keeps the metric '" + metric + "'");
+  }
 }
 
 }  // namespace
@@ -81,7 +84,7 @@ std::size_t Plan::runs() const {
 }
 
 Plan make_plan(const Experiment& experiment, const ScenarioFactory& factory) {
-  Plan plan;
+  Plan plan{experiment, {}, {}};
   for (const ScenarioSpec& spec : experiment.scenarios)
     plan.scenarios.push_back({spec.name, factory(spec), {}, {}, {}});
   plan_filters(experiment, plan.scenarios);

@@ -26,6 +26,7 @@ struct Piece {
 };
 
 struct Plan {
+  Experiment experiment;
   std::vector<PlannedScenario> scenarios;
   std::vector<Piece> pieces;  ///< scenario by scenario, seeds ascending
   /// Number of runs of a filter.

@@ -19,11 +19,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMethods =
-    "Every filter meets the same random numbers at the same seed. Intervals of means: Student\xE2\x80\x99s t. Diverged "
-    "(position error at the end above 3 m and 10 % of the path, or not a number): counted, and in the mean wherever "
-    "there is a number. Paired differences: by seed; a seed at which either filter has no number is dropped from the "
-    "pairs and counted. p (t): paired t test; p (sign flips): permutation test; Holm: corrected for all comparisons of "
-    "the table. Printed in small print: published figures, as their sources print them.";
+    "Every filter meets the same random numbers at the same seed. Intervals of means: Student\xE2\x80\x99s t. A run "
+    "has "
+    "diverged when its estimate is not a number or is off by more than 3 m and more than 10 % of the path at its end; "
+    "such "
+    "runs are counted, and are in the mean wherever they have a number. Paired differences are by seed; a seed at "
+    "which "
+    "either filter has no number is dropped from the pairs and counted. p (t): paired t test; p (sign flips): "
+    "permutation "
+    "test; Holm: corrected for all comparisons of the table. Muted columns, open marks and dotted lines: published "
+    "figures.";
 
 std::vector<report::Plot> plots_of(const Results& results, const std::string& scenario) {
   std::vector<report::Plot> all = parameter_plots(results, scenario);

@@ -21,16 +21,6 @@ using report::PlotSeries;
 
 constexpr int kStyles = 8;
 
-/// `key=value;key=value` taken apart.
-std::vector<std::pair<std::string, std::string>> assignments(const std::string& parameters) {
-  std::vector<std::pair<std::string, std::string>> result;
-  for (const std::string& part : split(parameters, ';')) {
-    const std::size_t equals = part.find('=');
-    if (equals != std::string::npos) result.emplace_back(part.substr(0, equals), part.substr(equals + 1));
-  }
-  return result;
-}
-
 std::optional<double> number_of(const std::string& parameters, const std::string& key) {
   for (const auto& [k, text] : assignments(parameters)) {
     double value = 0.0;

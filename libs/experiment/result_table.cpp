@@ -162,21 +162,36 @@ ResultTable parameter_table(const Results& results, const std::vector<Subject>& 
   return table;
 }
 
+/// Whether parameters say all that a source says of its own: N=20;mode=a says N=20.
+bool says(const std::string& parameters, const std::string& published) {
+  const auto ours = assignments(parameters), theirs = assignments(published);
+  return parameters == published || (!theirs.empty() && std::ranges::all_of(theirs, [&](const auto& assignment) {
+           return std::ranges::find(ours, assignment) != ours.end();
+         }));
+}
+
 void add_references(ResultTable& table, const std::vector<Reference>& references, const Print& print) {
   for (const std::string& source :
        distinct(references, [](const Reference& r) { return r.source + '\n' + r.filter; })) {
     const std::vector<std::string> lines = split(source, '\n');
     table.columns.push_back({lines[1], lines[0], "paper"});
+    for (TableRow& row : table.rows) row.cells.resize(table.columns.size());
     for (const Reference& r : references) {
       if (r.source + '\n' + r.filter != source) continue;
+      const TableCell cell{print.number(r.value), "", "paper"};
       const std::string title = r.parameters.empty() ? kDash : r.parameters;
-      auto row = std::ranges::find(table.rows, title, &TableRow::title);
-      if (row == table.rows.end()) row = table.rows.insert(row, {title, {}});
-      row->cells.resize(table.columns.size());
-      row->cells.back() = {print.number(r.value), "", "paper"};
+      bool placed = false;
+      for (TableRow& row : table.rows) {
+        if (!says(row.title, title)) continue;
+        row.cells.back() = cell;
+        placed = true;
+      }
+      if (placed) continue;
+      table.rows.push_back({title, {}});
+      table.rows.back().cells.resize(table.columns.size());
+      table.rows.back().cells.back() = cell;
     }
   }
-  for (TableRow& row : table.rows) row.cells.resize(table.columns.size());
 }
 
 std::vector<ResultTable> tables_of_parameters(const Results& results, const std::string& scenario,

@@ -7,6 +7,7 @@
 
 #include "config/config.hpp"
 #include "core/error.hpp"
+#include "experiment/csv.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -61,6 +62,15 @@ Results load_results(const std::filesystem::path& directory) {
   return {config::load<Experiment>(directory / "experiment.yaml"), read_rows(directory / "runs.csv"),
           read_summary(directory / "summary.csv"), read_summary(directory / "timing.csv"),
           read_series(directory / "series.csv")};
+}
+
+std::vector<std::pair<std::string, std::string>> assignments(const std::string& parameters) {
+  std::vector<std::pair<std::string, std::string>> result;
+  for (const std::string& part : split(parameters, ';')) {
+    const std::size_t equals = part.find('=');
+    if (equals != std::string::npos) result.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+  }
+  return result;
 }
 
 std::vector<Comparison> compare(std::span<const Row> a, const Selection& of_a, std::span<const Row> b,

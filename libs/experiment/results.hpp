@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiment/comparison.hpp"
@@ -21,6 +22,9 @@ struct Results {
 };
 /// \throws InputError naming what is missing or broken
 [[nodiscard]] Results load_results(const std::filesystem::path& directory);
+
+/// `key=value;key=value` taken apart.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> assignments(const std::string& parameters);
 
 /// Which rows: all, those of a filter, or those of a filter with certain parameters.
 struct Selection {

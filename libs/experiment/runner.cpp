@@ -40,14 +40,13 @@ std::string seeds_text(const Plan& plan, std::span<const Piece> pieces) {
 
 }  // namespace
 
-void run(const Plan& plan, const std::string& fingerprint, const RunOptions& options,
-         const std::function<bool(const Progress&)>& progress) {
+void run(const Plan& plan, const RunOptions& options, const std::function<bool(const Progress&)>& progress) {
   if (options.jobs < 1) throw InputError("jobs: expected an integer >= 1, got " + std::to_string(options.jobs));
   if (options.shard >= options.shards) {
     throw InputError("shard: expected i/n with 0 <= i < n, got " + std::to_string(options.shard) + '/' +
                      std::to_string(options.shards));
   }
-  const ResultsFolder folder = ResultsFolder::claim(options.directory, fingerprint);
+  const ResultsFolder folder = ResultsFolder::claim(options.directory, plan.experiment);
   std::vector<Piece> todo;
   Progress state;
   for (std::size_t i = options.shard; i < plan.pieces.size(); i += options.shards) {
@@ -89,10 +88,9 @@ void run(const Plan& plan, const std::string& fingerprint, const RunOptions& opt
   folder.write_tables(plan);
 }
 
-void merge(const Plan& plan, const std::string& fingerprint, std::span<const std::filesystem::path> shards,
-           const std::filesystem::path& directory) {
+void merge(const Plan& plan, std::span<const std::filesystem::path> shards, const std::filesystem::path& directory) {
   std::vector<ResultsFolder> sources;
-  for (const std::filesystem::path& shard : shards) sources.push_back(ResultsFolder::open(shard, fingerprint));
+  for (const std::filesystem::path& shard : shards) sources.push_back(ResultsFolder::open(shard, plan.experiment));
   const auto holder_of = [&](const Piece& piece) {
     return std::find_if(sources.begin(), sources.end(), [&](const ResultsFolder& s) { return s.has(plan, piece); });
   };
@@ -101,7 +99,7 @@ void merge(const Plan& plan, const std::string& fingerprint, std::span<const std
     if (holder_of(piece) == sources.end()) missing.push_back(piece);
   }
   if (!missing.empty()) throw InputError("merge: no shard holds " + seeds_text(plan, missing));
-  const ResultsFolder target = ResultsFolder::claim(directory, fingerprint);
+  const ResultsFolder target = ResultsFolder::claim(directory, plan.experiment);
   for (const Piece& piece : plan.pieces) target.copy_from(*holder_of(piece), plan, piece);
   target.write_tables(plan);
 }

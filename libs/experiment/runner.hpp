@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <functional>
 #include <span>
-#include <string>
 
 #include "experiment/plan.hpp"
 
@@ -24,15 +23,13 @@ struct Progress {
 };
 
 /// Runs what is not yet in `directory`, then writes its tables (experiment/parts.hpp).
-/// \param fingerprint text of the effective experiment; a directory that holds another one is refused
 /// \param progress called before the first and after each piece, never at once from two threads; returning false stops
-/// the run \throws InputError; what a scenario throws comes with scenario and seed
-void run(const Plan&, const std::string& fingerprint, const RunOptions&,
-         const std::function<bool(const Progress&)>& progress);
+/// the run \throws InputError, also when the directory holds another experiment; what a scenario throws comes with
+/// scenario and seed
+void run(const Plan&, const RunOptions&, const std::function<bool(const Progress&)>& progress);
 
 /// Joins what shards wrote into `directory`, as if one run had made it.
 /// \throws InputError when a shard belongs to another experiment or pieces are missing
-void merge(const Plan&, const std::string& fingerprint, std::span<const std::filesystem::path> shards,
-           const std::filesystem::path& directory);
+void merge(const Plan&, std::span<const std::filesystem::path> shards, const std::filesystem::path& directory);
 
 }  // namespace noctule::experiment

@@ -79,6 +79,7 @@ TEST(Plan, NamesTheKnownWhenAFilterOrMetricIsUnknown) {
   EXPECT_EQ(plan_with({"metrics=[error, eror]"}),
             "metrics: no scenario measures 'eror'; near knows: error, steps, error_over_time; "
             "far knows: error, steps, error_over_time");
+  EXPECT_EQ(plan_with({"metrics=[error]", "plots=[steps]"}), "plots: no scenario keeps the metric 'steps'");
   EXPECT_EQ(plan_with({"scenarios=[{name: a, kind: fake}, {name: b, kind: other}]"}),
             "scenario 'b': no filter of the list can run there; it knows: strange");
   EXPECT_NE(

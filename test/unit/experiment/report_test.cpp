@@ -23,8 +23,7 @@ class Report : public testing::Test {
     FakeScenario::slow = false;
     const Experiment experiment = parse_fake(assignments);
     const std::filesystem::path directory = folder_ / std::to_string(++runs_);
-    run(make_plan(experiment, make_fake), config::dump(experiment), {.directory = directory},
-        [](const Progress&) { return true; });
+    run(make_plan(experiment, make_fake), {.directory = directory}, [](const Progress&) { return true; });
     last_ = directory;
     return load_results(directory);
   }
@@ -86,6 +85,18 @@ TEST_F(Report, ManyFiltersGetATableAMetric) {
   EXPECT_EQ(row(tables[0], "N=9")->cells[2].value, "0.25");
   EXPECT_EQ(row(tables[2], "N=4")->cells[1].value, "4");
   EXPECT_EQ(row(tables[2], "N=4")->cells[0].value, "0");
+}
+
+TEST_F(Report, PublishedFiguresStandInEveryRowThatSaysWhatTheySay) {
+  std::vector<std::string> assignments = kReferences;
+  assignments.push_back("filters=[{name: good, parameters: {particles: [1, 2, 3], N: [4, 8]}}, {name: bad}]");
+  const ResultTable table = result_tables(results_of(assignments), "near").at(0);
+  for (const char* parameters : {"particles=1;N=4", "particles=3;N=4"}) {
+    ASSERT_NE(row(table, parameters), nullptr);
+    EXPECT_EQ(row(table, parameters)->cells.back().value, "0.50");
+  }
+  EXPECT_TRUE(row(table, "particles=1;N=8")->cells.back().value.empty());
+  EXPECT_EQ(row(table, "N=9")->cells.back().value, "0.25");
 }
 
 TEST_F(Report, ComparesWithTheFirstFilterAtEqualParameters) {

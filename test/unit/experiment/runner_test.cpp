@@ -30,7 +30,7 @@ class Runner : public testing::Test {
   }
   void run_into(const std::string& name, RunOptions options = {}, const Experiment& experiment = parse_fake()) {
     options.directory = folder_ / name;
-    run(make_plan(experiment, make_fake), config::dump(experiment), options, kGoOn);
+    run(make_plan(experiment, make_fake), options, kGoOn);
   }
 
   Folder folder_;
@@ -92,7 +92,7 @@ TEST_F(Runner, MergedShardsEqualOneRun) {
       folders.push_back(folder_ / name);
     }
     const std::string name = "merged" + std::to_string(shards);
-    merge(plan, config::dump(experiment), folders, folder_ / name);
+    merge(plan, folders, folder_ / name);
     EXPECT_EQ(tables(name), tables("whole"));
   }
 }
@@ -103,10 +103,10 @@ TEST_F(Runner, InterruptedRunGoesOnWhereItWas) {
   const Experiment experiment = parse_fake();
   const Plan plan = make_plan(experiment, make_fake);
   const RunOptions options{.directory = folder_ / "cut"};
-  run(plan, config::dump(experiment), options, [](const Progress& p) { return p.done < 5; });
+  run(plan, options, [](const Progress& p) { return p.done < 5; });
   EXPECT_EQ(FakeScenario::runs, 5);
   std::vector<Progress> seen;
-  run(plan, config::dump(experiment), options, [&](const Progress& p) {
+  run(plan, options, [&](const Progress& p) {
     seen.push_back(p);
     return true;
   });
@@ -133,17 +133,23 @@ TEST_F(Runner, RefusesAFolderOfAnotherExperiment) {
   EXPECT_NE(text.find("holds the results of another experiment"), std::string::npos) << text;
   const Experiment other = parse_fake({"last_seed=13"});
   const std::vector<std::filesystem::path> shards{folder_ / "a"};
-  const std::string merged =
-      refusal([&] { merge(make_plan(other, make_fake), config::dump(other), shards, folder_ / "m"); });
+  const std::string merged = refusal([&] { merge(make_plan(other, make_fake), shards, folder_ / "m"); });
   EXPECT_NE(merged.find("holds no results of this experiment"), std::string::npos) << merged;
+}
+
+TEST_F(Runner, WhatOnlyReportsLookAtMayChange) {
+  run_into("a");
+  FakeScenario::runs = 0;
+  run_into("a", {}, parse_fake({"filters[1].role=baseline", "plots=[error]"}));
+  EXPECT_EQ(FakeScenario::runs, 0);
+  EXPECT_EQ(config::load<Experiment>(folder_ / "a" / "experiment.yaml").filters[1].role, Role::baseline);
 }
 
 TEST_F(Runner, MergeNamesWhatIsMissing) {
   run_into("half", {.directory = {}, .jobs = 1, .shard = 0, .shards = 2});
   const Experiment experiment = parse_fake();
   const std::vector<std::filesystem::path> shards{folder_ / "half"};
-  const auto text =
-      refusal([&] { merge(make_plan(experiment, make_fake), config::dump(experiment), shards, folder_ / "m"); });
+  const auto text = refusal([&] { merge(make_plan(experiment, make_fake), shards, folder_ / "m"); });
   EXPECT_EQ(text,
             "merge: no shard holds scenario 'near': seeds 2, 4, 6, 8, 10, 12; scenario 'far': seeds 2, 4, 6, 8 and 2 "
             "more");

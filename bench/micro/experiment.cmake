@@ -1,0 +1,1 @@
+noctule_bench(experiment ROOMS experiment)
