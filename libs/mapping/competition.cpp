@@ -277,6 +277,7 @@ ContourMap Competition::map() const {
     const Reflector& reflector = object.fit.reflector;
     const Evidence e = evidence_of(reflector, arcs_, object.members);
     const Matrix3 covariance = echo_covariance(object.fit, arcs_, object.members, parameters_.robust);
+    if (!covariance.allFinite()) continue;  // nothing that could be said of it
     if (reflector.is_wall()) {
       map.walls.push_back(wall_estimate(object.fit, covariance, e));
     } else if (reflector.type() == ContourType::arc) {

@@ -12,6 +12,7 @@ constexpr int kCoarse = 8;                 // iterations before the scale is est
 constexpr double kCoarsePrecision = 1e-4;  // [m, rad]
 constexpr int kFine = 15;                  // and after
 constexpr double kSmallestScale = 0.02;
+constexpr double kLeastShare = 1e-3;  // of the information, as a determinant, that all stops but one must hold
 
 /// Tukey's biweight: weight and derivative of the influence u (1 - u^2)^2, u being the residual over the cut.
 struct Biweight {
@@ -115,7 +116,7 @@ Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std:
   if (!std::is_sorted(by_stop.begin(), by_stop.end(), earlier))
     std::stable_sort(by_stop.begin(), by_stop.end(), earlier);
   std::vector<Stop> stops;
-  Matrix3 information = Matrix3::Zero();
+  Matrix3 information = Matrix3::Zero(), modelled = Matrix3::Zero();
   for (const int i : by_stop) {
     const SonarArc& arc = arcs[static_cast<std::size_t>(i)];
     if (stops.empty() || stops.back().number != arc.stop) stops.push_back({.number = arc.stop});
@@ -125,13 +126,21 @@ Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std:
     const Vector3 j = fit.reflector.gradient(arc.sensor, s);
     stops.back().information += slope * precision * j * j.transpose();
     stops.back().score += weight * precision * e * j;
+    modelled += weight * precision * j * j.transpose();
   }
   for (const Stop& stop : stops) information += stop.information;
-  if (fit.reflector.dimension() == 2) information(2, 2) = 1.0;
+  if (fit.reflector.dimension() == 2) information(2, 2) = modelled(2, 2) = 1.0;
   const Matrix3 inverse = information.inverse();
   Matrix3 scatter = Matrix3::Zero();
   for (const Stop& stop : stops) {
-    const Vector3 d = (Matrix3::Identity() - stop.information * inverse).inverse() * stop.score;
+    const Matrix3 others = Matrix3::Identity() - stop.information * inverse;
+    // Where one stop alone decides, the others cannot say by how much it errs: only the model of the noise can.
+    if (!(others.determinant() > kLeastShare)) {
+      Matrix3 covariance = fit.scale * fit.scale * modelled.inverse();
+      if (fit.reflector.dimension() == 2) covariance(2, 2) = 0.0;
+      return covariance;
+    }
+    const Vector3 d = others.inverse() * stop.score;
     scatter += d * d.transpose();
   }
   return inverse * scatter * inverse;

@@ -45,7 +45,8 @@ struct EchoFit {
 
 /// Covariance of such a fit, order as Reflector::gradient; unused rows are 0. It is the jackknife over stops (the
 /// sandwich estimator CR3 of MacKinnon and White 1985 with the stops as clusters): it follows the noise that is there,
-/// and counts readings of one stop, which share the error of its pose, as dependent.
+/// and counts readings of one stop, which share the error of its pose, as dependent. Where one stop alone decides, it
+/// is that of the stated noise at the fit's scale, which may be wide; it is not finite where nothing decides.
 [[nodiscard]] Matrix3 echo_covariance(const EchoFit& fit, std::span<const SonarArc> arcs, std::span<const int> members,
                                       const RobustParameters& parameters);
 

@@ -92,6 +92,30 @@ TEST(FitEchoes, CovarianceFollowsTheNoiseThatIsThere) {
   EXPECT_NEAR(predicted(1, 1) / sample(1, 1), 1.0, 0.25);
 }
 
+TEST(FitEchoes, CovarianceIsFiniteWhereOneStopDecides) {
+  // 30 echoes within 10 cm of one stop fix the distance; a single other stop fixes the angle.
+  const Reflector truth(Wall{1.5, 0.7});
+  auto arcs = echoes(truth, 60, 0.003, 5);
+  arcs.resize(31);
+  Rng rng(5, stream_id("one stop"), 0, 0);
+  for (std::size_t i = 0; i < arcs.size(); ++i) {
+    SonarArc& arc = arcs[i];
+    arc.stop = i < 30 ? 0 : 1;
+    arc.sensor = i < 30 ? Vector2(0.1 * rng.uniform(), 0.1 * rng.uniform()) : Vector2(-0.6, 0.7);
+    const Reflector::Sight sight = truth.sight(arc.sensor);
+    arc.range = sight.range + 0.003 * rng.normal();
+    arc.axis = sight.direction;
+  }
+  const auto fit = fit_echoes({truth, 1.0}, arcs, all(arcs), {}, 1e-8);
+  ASSERT_TRUE(fit);
+  const Matrix3 covariance = echo_covariance(*fit, arcs, all(arcs), {});
+  ASSERT_TRUE(covariance.allFinite());
+  EXPECT_GT(covariance(0, 0), 0.0);
+  EXPECT_GT(covariance(1, 1), 0.0);
+  EXPECT_LT(covariance(1, 1), 0.1 * 0.1);
+  EXPECT_EQ(covariance(2, 2), 0.0);
+}
+
 TEST(FitEchoes, SaysWhenTheEchoesDoNotSuffice) {
   const Reflector wall(Wall{1.5, 0.7});
   auto arcs = echoes(wall, 10, 0.0, 1);
