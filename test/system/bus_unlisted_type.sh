@@ -11,9 +11,9 @@ project(types LANGUAGES CXX)
 list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake)
 add_subdirectory(types)
 TEXT
-"$cmake" -S "$work" -B "$work/build" >"$work/log" 2>&1 || { cat "$work/log"; echo "the listed types alone must configure"; exit 1; }
+"$cmake" -G Ninja -S "$work" -B "$work/build" >"$work/log" 2>&1 || { cat "$work/log"; echo "the listed types alone must configure"; exit 1; }
 printf 'package noctule;\nstruct stray { int64_t utime; }\n' >"$work/types/stray.lcm"
-if "$cmake" -S "$work" -B "$work/build" >"$work/log" 2>&1; then
+if "$cmake" -G Ninja -S "$work" -B "$work/build" >"$work/log" 2>&1; then
   echo "an unlisted type was accepted"
   exit 1
 fi
