@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/rng.hpp"
 
@@ -40,6 +41,9 @@ enum class Resampling : std::int8_t {
 /// wherever i < M and counts[i] > 0; further copies fill the slots of the dead, in order.
 /// \param counts N numbers of offspring, sum M
 /// \param[out] ancestors M indices into the old particles
+/// \param free scratch
+void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32_t> ancestors,
+                    std::vector<std::uint32_t>& free);
 void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32_t> ancestors);
 
 }  // namespace noctule::particle

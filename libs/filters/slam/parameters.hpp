@@ -65,8 +65,14 @@ struct ContourLandmarkParameters {
   }
 };
 
+enum class Matching : std::int8_t {
+  likelihood,  ///< all sightings of a message at once, each landmark at most once: the most likely assignment
+  nearest      ///< each sighting for itself, to the landmark that makes it most likely
+};
+
 /// Sightings of point landmarks whose identity the sensor does not know.
 struct SightingParameters {
+  Matching match = Matching::likelihood;
   double gate = 9.21;         ///< largest squared Mahalanobis distance of a match (99 % for 2 numbers)
   double new_above = 25.0;    ///< a sighting farther than this from all landmarks starts one; between: dropped
   double new_density = 0.01;  ///< density of sightings of unmapped landmarks, per metre of range and radian
@@ -74,6 +80,9 @@ struct SightingParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = SightingParameters;
+    v.choice("match", &P::match,
+             Choices<Matching>{{"likelihood", Matching::likelihood}, {"nearest", Matching::nearest}},
+             "how sightings find their landmarks");
     v.field("gate", &P::gate, unit::one, "largest squared Mahalanobis distance of a match", positive());
     v.field("new_above", &P::new_above, unit::one, "a sighting farther than this from all landmarks is a new one",
             positive());
@@ -85,6 +94,21 @@ struct SightingParameters {
     return new_above < gate ? "new_above must not be below gate" : std::string();
   }
 };
+
+/// The fields that all particle filters have.
+template <class P, class Visitor>
+void describe_particles(Visitor& v) {
+  using particle::Resampling;
+  v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
+  v.choice("resampling", &P::resampling,
+           Choices<Resampling>{{"systematic", Resampling::systematic},
+                               {"ssp", Resampling::ssp},
+                               {"stratified", Resampling::stratified},
+                               {"multinomial", Resampling::multinomial}},
+           "how particles are redrawn");
+  v.field("resample_below", &P::resample_below, unit::one,
+          "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
+}
 
 struct ParticleSlamParameters {
   int particles = 100;
@@ -99,16 +123,7 @@ struct ParticleSlamParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = ParticleSlamParameters;
-    using particle::Resampling;
-    v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
-    v.choice("resampling", &P::resampling,
-             Choices<Resampling>{{"systematic", Resampling::systematic},
-                                 {"ssp", Resampling::ssp},
-                                 {"stratified", Resampling::stratified},
-                                 {"multinomial", Resampling::multinomial}},
-             "how particles are redrawn");
-    v.field("resample_below", &P::resample_below, unit::one,
-            "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
+    describe_particles<P>(v);
     v.group("echo", &P::echo, "how one ultrasonic echo is judged");
     v.group("contour_landmarks", &P::contour_landmarks, "walls, cylinders and points heard by ultrasound");
     v.group("sightings", &P::sightings, "sightings of point landmarks of unknown identity");

@@ -20,11 +20,11 @@ struct Match {
 };
 
 Match match(const LandmarkDetection& sighting, const Pose2& sensor, const PointLandmark& landmark) {
-  const auto prediction = models::predict_range_bearing(sensor, landmark.position);
+  const auto prediction = models::predict_range_bearing(sensor, landmark.position());
   Match m;
   m.innovation << sighting.range - prediction.z[0], wrap(sighting.bearing - prediction.z[1]);
   m.jacobian = prediction.by_landmark;
-  const Matrix2 s = m.jacobian * landmark.covariance * m.jacobian.transpose() + sighting.covariance;
+  const Matrix2 s = m.jacobian * landmark.covariance() * m.jacobian.transpose() + sighting.covariance;
   const auto llt = cholesky<2>(s);
   m.log_likelihood = log_gaussian<2>(m.innovation, llt);
   m.distance2 = llt.matrixL().solve(m.innovation).squaredNorm();
@@ -96,10 +96,10 @@ class Assimilation {
 
   void start(const LandmarkDetection& sighting, std::int64_t id) {
     const auto placed = models::place_landmark(sensor_, {sighting.range, sighting.bearing});
-    map_.push_back({.id = id,
-                    .position = placed.landmark,
-                    .covariance = placed.by_sighting * sighting.covariance * placed.by_sighting.transpose(),
-                    .observations = 1});
+    PointLandmark& m = map_.emplace_back();
+    m.set(placed.landmark, placed.by_sighting * sighting.covariance * placed.by_sighting.transpose());
+    m.id = id;
+    m.observations = 1;
     fit_.log_likelihood += std::log(parameters_.new_density);
   }
 
@@ -108,7 +108,10 @@ class Assimilation {
     fit_.nis += m.distance2;
     fit_.degrees_of_freedom += 2;
     if (!std::isfinite(m.log_likelihood)) return;  // impossible: nothing to be learned from it
-    joseph_update<2, 2>(landmark.position, landmark.covariance, m.innovation, m.jacobian, sighting.covariance);
+    Vector2 position = landmark.position();
+    Matrix2 covariance = landmark.covariance();
+    joseph_update<2, 2>(position, covariance, m.innovation, m.jacobian, sighting.covariance);
+    landmark.set(position, covariance);
     ++landmark.observations;
   }
 

@@ -7,15 +7,9 @@
 #include "core/observations.hpp"
 #include "filters/slam/contour_observation.hpp"
 #include "filters/slam/parameters.hpp"
+#include "filters/slam/point_landmark.hpp"
 
 namespace noctule::filters {
-
-struct PointLandmark {
-  std::int64_t id = 0;
-  Vector2 position = Vector2::Zero();    ///< map [m]
-  Matrix2 covariance = Matrix2::Zero();  ///< [m^2]
-  int observations = 0;
-};
 
 /// Takes all sightings of one message into the map of a particle at `base`. Sightings with an identity go to the
 /// landmark of that name or start it; the others are matched to the rest of the map, each landmark at most once, so

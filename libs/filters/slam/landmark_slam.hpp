@@ -1,0 +1,90 @@
+#pragma once
+/// The particle filters over point landmarks: what they share. A filter is a proposal (how particles move to a scan and
+/// what it weighs there) and a landmark update, put together at compile time (particle_kernel.hpp).
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "filters/slam/landmark_association.hpp"
+#include "filters/slam/landmark_maps.hpp"
+#include "filters/slam/landmark_parameters.hpp"
+#include "filters/slam/path_particles.hpp"
+#include "filters/slam/slam_filter.hpp"
+
+namespace noctule::filters {
+
+/// A scan is taken in by steps: odometry is summed up, once for all particles, as a motion in the frame of each pose;
+/// sightings are associated with each particle's landmarks; the particles move, are weighed, and update their maps.
+/// As long as all sightings carry an identity, all particles have the same landmarks in the same slots.
+class LandmarkSlam : public SlamFilter {
+ public:
+  void predict(const Odometry& odometry) override;
+  /// \throws InputError also on bearing-only and range-only sightings, which these filters do not use
+  void update(const LandmarkDetections& detections) override;
+  /// \throws InputError always
+  void update(const UltrasonicScan& scan, const ContourFeatures& features) override;
+
+  [[nodiscard]] SlamEstimate estimate() const override { return particles_.estimate(); }
+  [[nodiscard]] PathEstimate path() const override { return particles_.path(); }
+  [[nodiscard]] LandmarkMap map() const override;
+  [[nodiscard]] ParticleCloud particles(int at_most) const override { return particles_.cloud(at_most); }
+  [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
+
+  /// Memory of all landmarks [bytes].
+  [[nodiscard]] std::size_t map_bytes() const { return maps_.bytes(); }
+
+ protected:
+  /// \param name of the filter in errors
+  LandmarkSlam(const char* name, const LandmarkSlamParameters& parameters, const OffspringTempering& tempering,
+               std::uint64_t seed, const Pose2& start);
+
+  /// Appends odometry to the motion to be drawn.
+  virtual void add_motion(const Odometry& odometry);
+  /// Before the scan is associated: filters that draw from the motion prior do it here.
+  virtual void before_association() {}
+  /// Whether a message without sightings leaves the particles where they are, so that the motion is drawn when there is
+  /// something to see.
+  [[nodiscard]] virtual bool may_wait() const { return false; }
+  /// Moves particles [begin, end) by motion_, notes what they say of the scan in fits_, and updates their maps. The
+  /// landmarks named by slots(i) are their own, and there is room for new ones.
+  virtual void take_in(std::size_t begin, std::size_t end) = 0;
+  /// The steps of a scan from the association on.
+  virtual void observe(const Stamp& stamp);
+
+  /// What becomes of each sighting in the map of a particle: see associate().
+  [[nodiscard]] std::span<const std::int32_t> slots(std::size_t i) const {
+    return {slots_.data() + (shared_identity_ ? 0 : i * scan_.sightings.size()), scan_.sightings.size()};
+  }
+  void make_landmarks_writable();
+  /// Runs body(begin, end) over all particles.
+  void for_particles(const std::function<void(std::size_t, std::size_t)>& body);
+  void resample();
+  /// Of its motion, for a particle at an observation.
+  [[nodiscard]] Rng motion_rng(std::size_t i) const {
+    return Rng(seed_, stream_id("landmark_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i));
+  }
+
+  LandmarkSlamParameters parameters_;
+  std::uint64_t seed_;
+  double log_new_density_;
+  PathParticles particles_;
+  LandmarkMaps maps_;
+  PoseGaussian motion_;  ///< still to be drawn, in the frame of each pose
+  LandmarkScan scan_;
+  std::vector<ObservationFit> fits_;
+
+ private:
+  void prepare(const LandmarkDetections& detections);
+  void associate_all();
+  void find_named();
+
+  bool shared_identity_ = true;
+  std::vector<std::int32_t> slots_;                         ///< one row a particle, or one for all
+  std::unordered_map<std::int64_t, std::int32_t> slot_of_;  ///< of each identity, where it is shared
+  std::int64_t next_id_ = -2;                               ///< of the next landmark the filter names, counting down
+  std::optional<std::int64_t> last_detections_;
+};
+
+}  // namespace noctule::filters
