@@ -120,7 +120,7 @@ void LandmarkMaps::begin_sharing() {
   const std::vector<std::uint32_t> sizes = sizes_;
   std::ranges::fill(sizes_, 0u);
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    reserve(i, sizes[i]);
+    reserve(i, row_);  // all the room that has been promised
     for (std::size_t k = 0; k < sizes[i]; ++k) append(i, flat_[i * row_ + k]);
   }
   flat_ = {};

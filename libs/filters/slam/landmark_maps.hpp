@@ -45,11 +45,11 @@ class LandmarkMaps {
   /// Copies what own() and reserve() asked for: call it once after them, before any write.
   void copy_pages(int threads);
 
-  /// \pre reserve(particle, ...)
+  /// \pre reserve(particle, ...), and nothing removed since
   void append(std::size_t particle, const PointLandmark& landmark) {
     writable(particle, sizes_[particle]++) = landmark;
   }
-  /// Removes a landmark; the last one takes its slot. \pre both are owned
+  /// Removes a landmark; the last one takes its slot. \pre it is owned
   void remove(std::size_t particle, std::size_t slot) {
     writable(particle, slot) = at(particle, sizes_[particle] - 1);
     --sizes_[particle];

@@ -98,4 +98,23 @@ struct FastSlam2Parameters : LandmarkSlamParameters {
   }
 };
 
+enum class WocpfBase : std::int8_t { fastslam1, fastslam2 };
+
+/// Weight-optimised combined particle filter (Monocular SLAM_WOCPF, eq. 7): a FastSLAM whose offspring are drawn with
+/// the weights psi_i = (1 - 1/K) w_i + 1/(K N). The weights themselves are w_i.
+struct WocpfParameters : FastSlam2Parameters {
+  WocpfBase base = WocpfBase::fastslam2;
+  OffspringTempering offspring{.k = 10.0};
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = WocpfParameters;
+    FastSlam2Parameters::describe(v);
+    v.choice("base", &P::base,
+             Choices<WocpfBase>{{"fastslam1", WocpfBase::fastslam1}, {"fastslam2", WocpfBase::fastslam2}},
+             "the filter whose offspring are drawn so");
+    v.group("offspring", &P::offspring, "how they are drawn");
+  }
+};
+
 }  // namespace noctule::filters

@@ -95,6 +95,27 @@ struct SightingParameters {
   }
 };
 
+/// Offspring drawn with weights psi_i = (1 - 1/K) w_i + 1/(K N) instead of w_i (Monocular SLAM_WOCPF, eq. 7).
+struct OffspringTempering {
+  double k = 0.0;          ///< K >= 1; 0: offspring are drawn with the weights themselves
+  bool corrected = false;  ///< gives offspring the weight w_i / psi_i, which keeps the filter unbiased
+  double movement = 0.0;   ///< copies are moved at random by this fraction of the particles' spread in x and y ...
+  double rotation = 0.0;   ///< ... and yaw
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = OffspringTempering;
+    v.field("k", &P::k, unit::one, "K of eq. 7, 1 (uniform) and up; 0: the weights themselves", at_least(0.0));
+    v.field("corrected", &P::corrected, "weigh offspring by w / psi, which keeps the filter unbiased");
+    v.field("movement", &P::movement, unit::one, "copies are moved by this fraction of the spread in x and y",
+            at_least(0.0));
+    v.field("rotation", &P::rotation, unit::one, "and turned by this fraction of the spread in yaw", at_least(0.0));
+  }
+  [[nodiscard]] std::string validate() const {
+    return k > 0.0 && k < 1.0 ? "k: expected 0 or a number >= 1" : std::string();
+  }
+};
+
 /// The fields that all particle filters have.
 template <class P, class Visitor>
 void describe_particles(Visitor& v) {

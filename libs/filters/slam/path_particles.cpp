@@ -72,6 +72,19 @@ void PathParticles::temper() {
   for (std::size_t i = 0; i < size(); ++i) drawn_with_[i] = share * linear_[i] + floor;
 }
 
+/// Moves copies away from their originals, by the spread of all particles at the observation.
+void PathParticles::jitter() {
+  const OffspringTempering& t = rule_.tempering;
+  const Vector3 sd = estimate_.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (ancestors_[i] == i) continue;
+    Rng rng(seed_, splitmix64(stream_), step_, static_cast<std::uint32_t>(i));
+    poses_[i].x += t.movement * sd[0] * rng.normal();
+    poses_[i].y += t.movement * sd[1] * rng.normal();
+    poses_[i].yaw = wrap(poses_[i].yaw + t.rotation * sd[2] * rng.normal());
+  }
+}
+
 std::span<const std::uint32_t> PathParticles::resample() {
   const std::size_t n = size();
   estimate_.resampled = estimate_.effective_sample_size < rule_.below * static_cast<double>(n);
@@ -83,6 +96,7 @@ std::span<const std::uint32_t> PathParticles::resample() {
     // Survivors keep their slots, so that none is overwritten before it is copied.
     for (std::size_t i = 0; i < n; ++i) poses_[i] = poses_[ancestors_[i]];
     paths_.resample(ancestors_);
+    if (rule_.tempering.movement > 0.0 || rule_.tempering.rotation > 0.0) jitter();
     if (rule_.tempering.corrected && rule_.tempering.k > 0.0) {
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t a = ancestors_[i];

@@ -8,8 +8,8 @@
 
 #include "core/estimate.hpp"
 #include "core/stamp.hpp"
+#include "filters/slam/parameters.hpp"
 #include "particle/genealogy.hpp"
-#include "particle/resampling.hpp"
 #include "particle/weights.hpp"
 
 namespace noctule::filters {
@@ -19,12 +19,6 @@ struct ObservationFit {
   double log_likelihood = 0.0;
   double nis = 0.0;            ///< sum of the squared normalised innovations ...
   int degrees_of_freedom = 0;  ///< ... and how many numbers they came from
-};
-
-/// Offspring drawn with weights psi_i = (1 - 1/K) w_i + 1/(K N) instead of w_i (WOCPF: seed 000, eq. 7).
-struct OffspringTempering {
-  double k = 0.0;          ///< K >= 1; 0: offspring are drawn with the weights themselves
-  bool corrected = false;  ///< gives offspring the weight w_i / psi_i, which keeps the filter unbiased
 };
 
 struct ResamplingRule {
@@ -65,6 +59,7 @@ class PathParticles {
   [[nodiscard]] Pose2 present(std::size_t i) const { return moving_ ? poses_[i] * pending_.mean : poses_[i]; }
   void note_estimate(const Stamp& stamp, std::span<const ObservationFit> fits);
   void temper();
+  void jitter();
 
   ResamplingRule rule_;
   std::unique_ptr<const particle::Resampler> resampler_;
