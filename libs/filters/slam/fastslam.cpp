@@ -93,8 +93,7 @@ void FastSlam2::take_in(std::size_t begin, std::size_t end) {
     const MotionPosterior q = linear_posterior(view, pose, motion_);
     fits_[i] = q.fit;
     Rng rng = motion_rng(i);
-    const Vector3 drawn = q.mean + sample_gaussian<3>(semidefinite_cholesky<3>(q.covariance), rng);
-    pose = pose * Pose2{drawn[0], drawn[1], drawn[2]};
+    pose = pose * draw_motion(q, rng);
     update_map(view, pose, KalmanUpdate{});
   }
 }

@@ -50,7 +50,8 @@ void LandmarkSlam::update(const LandmarkDetections& detections) {
   prepare(detections);
   if (scan_.sightings.empty() && may_wait()) {
     std::ranges::fill(fits_, ObservationFit{});
-    particles_.weigh(detections.stamp, fits_, motion_);
+    particles_.weigh(fits_);
+    particles_.record(detections.stamp, fits_, motion_);
     resample();
     return;
   }
@@ -125,13 +126,23 @@ void LandmarkSlam::observe(const Stamp& stamp) {
   make_landmarks_writable();
   for_particles([this](std::size_t begin, std::size_t end) { take_in(begin, end); });
   motion_ = {};
-  particles_.weigh(stamp, fits_);
+  particles_.weigh(fits_);
+  particles_.record(stamp, fits_);
   resample();
 }
 
-void LandmarkSlam::resample() {
+std::span<const std::uint32_t> LandmarkSlam::resample() {
   const auto ancestors = particles_.resample();
   if (!ancestors.empty()) maps_.resample(ancestors);
+  return ancestors;
+}
+
+void LandmarkSlam::inherit_slots(std::span<const std::uint32_t> ancestors) {
+  if (shared_identity_) return;
+  const std::size_t width = scan_.sightings.size();
+  for (std::size_t i = 0; i < ancestors.size(); ++i) {
+    if (ancestors[i] != i) std::copy_n(slots_.data() + ancestors[i] * width, width, slots_.data() + i * width);
+  }
 }
 
 LandmarkMap LandmarkSlam::map() const {

@@ -60,7 +60,10 @@ class LandmarkSlam : public SlamFilter {
   void make_landmarks_writable();
   /// Runs body(begin, end) over all particles.
   void for_particles(const std::function<void(std::size_t, std::size_t)>& body);
-  void resample();
+  /// \return ancestors; empty when nothing changed
+  std::span<const std::uint32_t> resample();
+  /// Gives the sightings' slots of ancestors to their offspring, where these still have to take the scan in.
+  void inherit_slots(std::span<const std::uint32_t> ancestors);
   /// Of its motion, for a particle at an observation.
   [[nodiscard]] Rng motion_rng(std::size_t i) const {
     return Rng(seed_, stream_id("landmark_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i));

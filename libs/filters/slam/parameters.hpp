@@ -95,7 +95,7 @@ struct SightingParameters {
   }
 };
 
-/// Offspring drawn with weights psi_i = (1 - 1/K) w_i + 1/(K N) instead of w_i (Monocular SLAM_WOCPF, eq. 7).
+/// Offspring drawn with weights psi_i = (1 - 1/K) w_i + 1/(K N) instead of w_i (Wang, Wang 2022, eq. 7).
 struct OffspringTempering {
   double k = 0.0;          ///< K >= 1; 0: offspring are drawn with the weights themselves
   bool corrected = false;  ///< gives offspring the weight w_i / psi_i, which keeps the filter unbiased

@@ -90,4 +90,9 @@ struct MotionPosterior {
   ObservationFit fit;
 };
 
+[[nodiscard]] inline Pose2 draw_motion(const MotionPosterior& q, Rng& rng) {
+  const Vector3 drawn = q.mean + sample_gaussian<3>(semidefinite_cholesky<3>(q.covariance), rng);
+  return {drawn[0], drawn[1], drawn[2]};
+}
+
 }  // namespace noctule::filters

@@ -76,7 +76,8 @@ void ParticleSlam::observe(const Stamp& stamp, Apply apply) {
     std::vector<char> scratch;
     for (std::size_t i = begin; i < end; ++i) fits[i] = apply(particles_.poses()[i], maps_[i], scratch);
   });
-  particles_.weigh(stamp, fits);
+  particles_.weigh(fits);
+  particles_.record(stamp, fits);
   // Survivors keep their slots, so that none is overwritten before it is copied.
   const auto ancestors = particles_.resample();
   for (std::size_t i = 0; i < ancestors.size(); ++i) {

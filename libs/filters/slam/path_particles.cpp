@@ -24,14 +24,27 @@ PathParticles::PathParticles(std::size_t size, const Pose2& start, const Resampl
   estimate_.effective_sample_size = static_cast<double>(size);
 }
 
-void PathParticles::weigh(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending) {
-  pending_ = pending;
-  moving_ = pending.mean != Pose2{} || !pending.covariance.isZero(0.0);
+void PathParticles::weigh(std::span<const ObservationFit> fits) {
   std::ranges::transform(fits, log_likelihoods_.begin(), &ObservationFit::log_likelihood);
   weights_.multiply(log_likelihoods_);
-  for (std::size_t i = 0; i < poses_.size(); ++i) paths_.append(i, {stamp.seq, stamp.utime, present(i)});
+  note_weights();
+  estimate_.effective_sample_size = weights_.effective_sample_size();
+}
+
+void PathParticles::reweigh(std::span<const double> log_weights) {
+  weights_.assign(log_weights);
+  note_weights();
+}
+
+void PathParticles::note_weights() {
   weights_.linear(linear_);
   best_ = static_cast<std::size_t>(std::ranges::max_element(linear_) - linear_.begin());
+}
+
+void PathParticles::record(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending) {
+  pending_ = pending;
+  moving_ = pending.mean != Pose2{} || !pending.covariance.isZero(0.0);
+  for (std::size_t i = 0; i < poses_.size(); ++i) paths_.append(i, {stamp.seq, stamp.utime, present(i)});
   note_estimate(stamp, fits);
 }
 
@@ -60,7 +73,6 @@ void PathParticles::note_estimate(const Stamp& stamp, std::span<const Observatio
   estimate_.stamp = stamp;
   estimate_.pose = mean;
   estimate_.covariance = covariance;
-  estimate_.effective_sample_size = weights_.effective_sample_size();
   estimate_.nis = degrees_of_freedom > 0.0 ? nis / degrees_of_freedom : 0.0;
 }
 

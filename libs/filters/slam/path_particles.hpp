@@ -38,18 +38,21 @@ class PathParticles {
   std::vector<Pose2>& poses() { return poses_; }
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   [[nodiscard]] const particle::Weights& weights() const { return weights_; }
-  particle::Weights& weights() { return weights_; }
   /// Number of observations so far: the step of the random numbers.
   [[nodiscard]] std::uint64_t step() const { return step_; }
   /// Particle of greatest weight at the latest observation, or its heaviest survivor.
   [[nodiscard]] std::size_t best() const { return best_; }
 
-  /// Multiplies the weights by what an observation said, continues the paths and notes the estimate.
+  /// An observation: the weights are multiplied by what it said, ...
+  void weigh(std::span<const ObservationFit> fits);
+  /// ... paths and estimate are continued by the poses there, ...
   /// \param pending motion that is still to be drawn, in the frame of each pose
-  void weigh(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
-  /// Redraws the particles where the weights ask for it; ends the observation.
+  void record(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
+  /// ... and the particles are redrawn where the weights ask for it. This ends the step.
   /// \return ancestors, placed by particle::place_in_slots, valid until the next call; empty when nothing changed
   std::span<const std::uint32_t> resample();
+  /// Replaces the weights by others, given as logs, not necessarily normalised.
+  void reweigh(std::span<const double> log_weights);
 
   [[nodiscard]] const SlamEstimate& estimate() const { return estimate_; }
   [[nodiscard]] PathEstimate path() const { return {estimate_.stamp, paths_.history(best_)}; }
@@ -58,6 +61,7 @@ class PathParticles {
  private:
   [[nodiscard]] Pose2 present(std::size_t i) const { return moving_ ? poses_[i] * pending_.mean : poses_[i]; }
   void note_estimate(const Stamp& stamp, std::span<const ObservationFit> fits);
+  void note_weights();
   void temper();
   void jitter();
 

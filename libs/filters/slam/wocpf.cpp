@@ -2,6 +2,7 @@
 
 #include "core/check.hpp"
 #include "filters/slam/fastslam.hpp"
+#include "filters/slam/ufastslam.hpp"
 
 namespace noctule::filters {
 
@@ -11,6 +12,9 @@ std::unique_ptr<SlamFilter> make_wocpf(WocpfParameters parameters, std::uint64_t
   parameters.threads = threads;
   if (parameters.base == WocpfBase::fastslam2) {
     return std::make_unique<FastSlam2>(parameters, seed, start, parameters.offspring);
+  }
+  if (parameters.base == WocpfBase::ufastslam) {
+    return std::make_unique<UFastSlam>(parameters, seed, start, parameters.offspring);
   }
   FastSlam1Parameters base;
   static_cast<LandmarkSlamParameters&>(base) = parameters;

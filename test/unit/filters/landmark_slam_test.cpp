@@ -19,10 +19,18 @@ using test::small_web;
 
 /// Parameters of every filter over point landmarks, with so many particles.
 std::vector<SlamFilterParameters> all_filters(int particles) {
-  std::vector<SlamFilterParameters> result{FastSlam1Parameters{}, FastSlam2Parameters{}, WocpfParameters{}};
+  std::vector<SlamFilterParameters> result{FastSlam1Parameters{},    FastSlam2Parameters{}, UFastSlamParameters{},
+                                           PsoUFastSlamParameters{}, WocpfParameters{},     EkfSlamParameters{}};
   FastSlam1Parameters each;
   each.sample = Sampling::odometry;
   result.push_back(each);
+  UFastSlamParameters y2008;
+  y2008.variant = UnscentedVariant::y2008;
+  result.push_back(y2008);
+  PsoUFastSlamParameters b;
+  b.weighting = SwarmWeighting::importance;
+  b.when = SwarmMoves::always;
+  result.push_back(b);
   WocpfParameters first;
   first.base = WocpfBase::fastslam1;
   result.push_back(first);
@@ -63,6 +71,8 @@ void expect_same(const SlamFilter& a, const SlamFilter& b) {
 TEST(LandmarkSlam, OneParticleWithoutNoiseIsExact) {
   auto world = small_web();
   world.sensor_in_base = {0.3, -0.1, 0.2};
+  world.range_sd = 1e-6;
+  world.bearing_sd = 1e-7;  // the mean of an unscented start lies this squared times half the range from its mode
   for (const bool known : {true, false}) {
     const auto run = drive(world, 20.0, 1, 0.0, known);
     for (const auto& p : all_filters(1)) {
@@ -96,7 +106,9 @@ TEST(LandmarkSlam, ThreadsAndStorageChangeNoBit) {
         feed(*threads, step);
         feed(*shared, step);
       }
-      EXPECT_TRUE(reference->estimate().distinct_particles < 60);
+      if (reference->estimate().particles > 0) {
+        EXPECT_LT(reference->estimate().distinct_particles, 60);
+      }
       expect_same(*reference, *threads);
       expect_same(*reference, *shared);
     }
@@ -289,7 +301,9 @@ TEST(LandmarkSlam, NeitherUnderflowsNorStopsResampling) {
       if (k > run.size() / 2) late += filter->estimate().resampled;
       ASSERT_TRUE(filter->estimate().pose.finite());
     }
-    EXPECT_GT(late, 50) << kSlamFilterNames[p.index()];
+    if (filter->estimate().particles > 0) {
+      EXPECT_GT(late, 50) << kSlamFilterNames[p.index()];
+    }
   }
 }
 
