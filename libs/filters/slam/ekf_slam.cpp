@@ -68,7 +68,7 @@ void EkfSlam::update(const LandmarkDetections& message) {
 EkfSlam::Match EkfSlam::match(const LandmarkDetection& z, std::size_t landmark) const {
   const Pose2 base = pose(), sensor = base * sensor_in_base_;
   const Vector2 m = position(landmark);
-  const Innovation v = innovation({.range = z.range, .bearing = z.bearing}, sensor, m.x(), m.y());
+  const Innovation v = innovation<double>({.range = z.range, .bearing = wrap(z.bearing)}, sensor, m.x(), m.y());
   Match result{landmark, {v.range, v.bearing}, {}, z.covariance};
   // The pose itself is the motion, in the frame of the map.
   result.jacobian.leftCols<3>() = by_motion(v, {1.0, 0.0}, sensor.position() - base.position());

@@ -63,9 +63,9 @@ MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, 
     const Sighting& z = view.scan.sightings[k];
     const PointLandmark& m = view.landmark(k);
     const Pose2 base = before * Pose2{q.mean[0], q.mean[1], q.mean[2]};
-    const Pose2 sensor = base * view.scan.sensor_in_base;
-    const Innovation v = innovation(z, sensor, m.x, m.y);
-    const InnovationCovariance at_pose = innovation_covariance(z, v, cross_covariance(m, v));
+    const Pose2 sensor = sensor_pose(base, view.scan.sensor_in_base);
+    const Innovation v = innovation<double>(z, sensor, m.x, m.y);
+    const InnovationCovariance at_pose = innovation_covariance<double>(z, v, cross_covariance<double>(m, v));
     const auto h = by_motion(v, heading, sensor.position() - base.position());
     const Eigen::Matrix<double, 3, 2> pht = q.covariance * h.transpose();
     const Matrix2 hph = h * pht;

@@ -77,7 +77,7 @@ class Matcher {
     scratch_.candidates.clear();
     scratch_.nearest.assign(scan_.sightings.size(), kInfinity);
     const Pose2 moved = pose_.base * pose_.motion.mean;
-    const Pose2 sensor = moved * scan_.sensor_in_base;
+    const Pose2 sensor = sensor_pose(moved, scan_.sensor_in_base);
     const bool certain = pose_.motion.covariance.isZero(0.0);
     // No pose in the prior is farther from its mean than this, at the level of the gate.
     const double reach2 = certain ? 0.0 : pose_.motion.covariance.topLeftCorner<2, 2>().trace();
@@ -105,8 +105,8 @@ class Matcher {
   void consider(std::size_t k, std::int32_t slot, const PointLandmark& m, const Pose2& sensor, const Pose2& moved,
                 bool certain) {
     const Sighting& z = scan_.sightings[k];
-    const Innovation v = innovation(z, sensor, m.x, m.y);
-    InnovationCovariance s = innovation_covariance(z, v, cross_covariance(m, v));
+    const Innovation v = innovation<double>(z, sensor, m.x, m.y);
+    InnovationCovariance s = innovation_covariance<double>(z, v, cross_covariance<double>(m, v));
     if (!certain) {
       const auto h =
           by_motion(v, {std::cos(pose_.base.yaw), std::sin(pose_.base.yaw)}, sensor.position() - moved.position());

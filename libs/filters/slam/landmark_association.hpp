@@ -16,6 +16,12 @@ struct LandmarkScan {
   std::vector<Sighting> sightings;  ///< those with an identity first, in its order
 };
 
+/// base * mount, without the trigonometry where the sensor sits on the base's origin.
+[[nodiscard]] inline Pose2 sensor_pose(const Pose2& base, const Pose2& mount) {
+  if (mount.x == 0.0 && mount.y == 0.0) return {base.x, base.y, wrap(base.yaw + mount.yaw)};
+  return base * mount;
+}
+
 /// What becomes of a sighting, where it is not the slot of its landmark: dropped, or the first slot beyond the map
 /// (one landmark more for each of them), where it starts one.
 inline constexpr std::int32_t kDropped = -1;

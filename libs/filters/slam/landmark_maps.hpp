@@ -20,7 +20,7 @@ enum class MapStorage : std::int8_t {
 /// called for them, by one thread; then different particles may be written by different threads.
 class LandmarkMaps {
  public:
-  static constexpr std::size_t kFlatBelow = 160;  ///< landmarks; measured by bench_landmark_slam
+  static constexpr std::size_t kFlatBelow = 256;  ///< landmarks; measured by bench_landmark_slam
 
   LandmarkMaps(std::size_t particles, MapStorage storage);
 

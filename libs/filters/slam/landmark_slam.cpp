@@ -67,7 +67,7 @@ void LandmarkSlam::prepare(const LandmarkDetections& detections) {
   for (const LandmarkDetection& d : detections.detections) {
     Sighting& z = scan_.sightings.emplace_back();
     z.range = d.range;
-    z.bearing = d.bearing;
+    z.bearing = wrap(d.bearing);
     z.rr = d.covariance(0, 0);
     z.rb = d.covariance(0, 1);
     z.bb = d.covariance(1, 1);

@@ -29,10 +29,11 @@ struct ParticleView {
 /// Sum of log N(v; 0, S) of independent innovations of two numbers; takes one logarithm for many.
 class LogDensity {
  public:
-  void multiply(const InnovationCovariance& s) {
+  void multiply(const InnovationCovariance& s) { multiply(s.distance2, s.determinant); }
+  void multiply(double distance2, double determinant) {
     ++count_;
-    distance2_ += s.distance2;
-    determinant_ *= s.distance2 < std::numeric_limits<double>::infinity() ? s.determinant : 1.0;
+    distance2_ += distance2;
+    determinant_ *= distance2 < std::numeric_limits<double>::infinity() ? determinant : 1.0;
     if (determinant_ < 1e-150 || determinant_ > 1e150) {
       log_determinant_ += std::log(determinant_);
       determinant_ = 1.0;
@@ -53,11 +54,29 @@ class LogDensity {
 /// Landmarks by extended Kalman filters.
 struct KalmanUpdate {
   static void update(PointLandmark& m, const Sighting& z, const Pose2& sensor, LogDensity& density) {
-    const Innovation v = innovation(z, sensor, m.x, m.y);
-    const CrossCovariance c = cross_covariance(m, v);
-    const InnovationCovariance s = innovation_covariance(z, v, c);
-    density.multiply(s);
+    const Innovation v = innovation<double>(z, sensor, m.x, m.y);
+    const auto c = cross_covariance<double>(m, v);
+    const InnovationCovariance s = innovation_covariance<double>(z, v, c);
+    density.multiply(s.distance2, s.determinant);
     filters::take_in(m, v, c, s);
+  }
+  /// Two different landmarks at a time.
+  static void update(PointLandmark& a, PointLandmark& b, const Sighting& za, const Sighting& zb, const Pose2& sensor,
+                     LogDensity& density) {
+    LandmarkState<Pair> m{{a.x, b.x}, {a.y, b.y}, {a.xx, b.xx}, {a.xy, b.xy}, {a.yy, b.yy}};
+    const RangeBearing<Pair> z{
+        {za.range, zb.range}, {za.bearing, zb.bearing}, {za.rr, zb.rr}, {za.rb, zb.rb}, {za.bb, zb.bb}};
+    const auto v = innovation(z, sensor, m.x, m.y);
+    const auto c = cross_covariance(m, v);
+    const auto s = innovation_covariance(z, v, c);
+    assimilate(m, v, c, s);
+    PointLandmark* const landmarks[] = {&a, &b};
+    for (int i = 0; i < 2; ++i) {
+      density.multiply(s.distance2[i], s.determinant[i]);
+      if (!(s.distance2[i] < std::numeric_limits<double>::infinity())) continue;
+      static_cast<LandmarkState<double>&>(*landmarks[i]) = {m.x[i], m.y[i], m.xx[i], m.xy[i], m.yy[i]};
+      ++landmarks[i]->observations;
+    }
   }
   [[nodiscard]] static PointLandmark start(const Sighting& z, const Pose2& sensor) { return start_landmark(z, sensor); }
 };
@@ -66,19 +85,35 @@ struct KalmanUpdate {
 /// \return what they say of that pose, given the map before
 template <class Update>
 ObservationFit update_map(const ParticleView& view, const Pose2& pose, const Update& update) {
-  const Pose2 sensor = pose * view.scan.sensor_in_base;
+  constexpr bool in_pairs = requires(PointLandmark & m, const Sighting& z, LogDensity& d) {
+    update.update(m, m, z, z, pose, d);
+  };
+  const Pose2 sensor = sensor_pose(pose, view.scan.sensor_in_base);
+  const auto& sightings = view.scan.sightings;
   LogDensity density;
   int free = 0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
-    const Sighting& z = view.scan.sightings[k];
+    const std::size_t size = view.maps.size(view.particle);
     if (view.slots[k] == kDropped) {
       ++free;
-    } else if (const auto slot = static_cast<std::size_t>(view.slots[k]); slot >= view.maps.size(view.particle)) {
-      view.maps.append(view.particle, update.start(z, sensor));
-      ++free;
-    } else {
-      update.update(view.maps.writable(view.particle, slot), z, sensor, density);
+      continue;
     }
+    const auto slot = static_cast<std::size_t>(view.slots[k]);
+    if (slot >= size) {
+      view.maps.append(view.particle, update.start(sightings[k], sensor));
+      ++free;
+      continue;
+    }
+    PointLandmark& m = view.maps.writable(view.particle, slot);
+    if constexpr (in_pairs) {
+      if (k + 1 < view.slots.size() && view.is_known(k + 1, size) && view.slots[k + 1] != view.slots[k]) {
+        PointLandmark& next = view.maps.writable(view.particle, static_cast<std::size_t>(view.slots[k + 1]));
+        update.update(m, next, sightings[k], sightings[k + 1], sensor, density);
+        ++k;
+        continue;
+      }
+    }
+    update.update(m, sightings[k], sensor, density);
   }
   return density.fit(free, view.log_new_density);
 }

@@ -1,19 +1,24 @@
 #pragma once
 /// A point landmark of one particle and its Kalman filter, conditioned on the particle's pose. Written out in scalars:
-/// the innermost loop of every landmark filter.
+/// the innermost loop of every landmark filter. T is double, or Pair for two landmarks at a time.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include "core/estimate.hpp"
+#include "core/pair.hpp"
 #include "core/pose2.hpp"
 
 namespace noctule::filters {
 
-struct PointLandmark {
-  double x = 0.0, y = 0.0;              ///< map [m]
-  double xx = 0.0, xy = 0.0, yy = 0.0;  ///< covariance [m^2]
+template <class T>
+struct LandmarkState {
+  T x{}, y{};          ///< map [m]
+  T xx{}, xy{}, yy{};  ///< covariance [m^2]
+};
+
+struct PointLandmark : LandmarkState<double> {
   std::int64_t id = 0;
   float existence = 0.0f;  ///< log odds
   std::int32_t observations = 0;
@@ -41,40 +46,49 @@ struct PointLandmark {
   }
 };
 
+/// Range [m] and bearing [rad] from the sensor's x axis, with their covariance.
+template <class T>
+struct RangeBearing {
+  T range{}, bearing{};
+  T rr{}, rb{}, bb{};
+};
+
 /// One sighting of a message, as the particles take it in.
-struct Sighting {
-  double range = 0.0, bearing = 0.0;    ///< [m], [rad] from the sensor's x axis
-  double rr = 0.0, rb = 0.0, bb = 0.0;  ///< covariance
-  std::int64_t id = -1;                 ///< of the landmark, or -1
-  std::int64_t new_id = 0;              ///< of the landmark that it may start
+struct Sighting : RangeBearing<double> {
+  std::int64_t id = -1;     ///< of the landmark, or -1
+  std::int64_t new_id = 0;  ///< of the landmark that it may start
 };
 
 /// Innovation of a sighting of a landmark, with what its covariance is made of.
-struct Innovation {
-  double range, bearing;  ///< measured - predicted [m], [rad]
-  double ux, uy;          ///< unit vector from the sensor to the landmark, map
-  double inverse_range;   ///< [1/m]; 0 for a landmark on the sensor, where no direction is defined
+template <class T>
+struct BasicInnovation {
+  T range, bearing;  ///< measured - predicted [m], [rad]
+  T ux, uy;          ///< unit vector from the sensor to the landmark, map
+  T inverse_range;   ///< [1/m]; 0 for a landmark on the sensor, where no direction is defined
 };
+using Innovation = BasicInnovation<double>;
 
-[[nodiscard]] inline Innovation innovation(const Sighting& z, const Pose2& sensor, double x, double y) {
-  const double dx = x - sensor.x, dy = y - sensor.y;
-  const double r = std::sqrt(dx * dx + dy * dy);
-  const double inverse = r < 1e-6 ? 0.0 : 1.0 / r;
-  return {z.range - r, wrap(z.bearing + sensor.yaw - std::atan2(dy, dx)), inverse * dx, inverse * dy, inverse};
+template <class T>
+[[nodiscard]] inline BasicInnovation<T> innovation(const RangeBearing<T>& z, const Pose2& sensor, T x, T y) {
+  const T dx = x - sensor.x, dy = y - sensor.y;
+  const T r = square_root(dx * dx + dy * dy);
+  const T one = spread(1.0, r), near = spread(1e-6, r);
+  const T inverse = select(r < near, spread(0.0, r), one / select(r < near, one, r));
+  return {z.range - r, wrap_near(z.bearing + sensor.yaw - fast_atan2(dy, dx)), inverse * dx, inverse * dy, inverse};
 }
 
 /// Covariance S of an innovation (2x2), with the squared Mahalanobis length of the innovation.
-struct InnovationCovariance {
-  double rr, rb, bb;
-  double determinant;
-  double distance2;  ///< +inf where S is not positive definite
+template <class T>
+struct BasicInnovationCovariance {
+  T rr, rb, bb;
+  T determinant;
+  T distance2;  ///< +inf where S is not positive definite or the innovation beyond all bounds
 
-  InnovationCovariance(double s_rr, double s_rb, double s_bb, const Innovation& v)
+  BasicInnovationCovariance(T s_rr, T s_rb, T s_bb, const BasicInnovation<T>& v)
       : rr(s_rr), rb(s_rb), bb(s_bb), determinant(s_rr * s_bb - s_rb * s_rb) {
-    distance2 =
-        determinant > 0.0 && rr > 0.0
-            ? (v.range * (bb * v.range - rb * v.bearing) + v.bearing * (rr * v.bearing - rb * v.range)) / determinant
-            : std::numeric_limits<double>::infinity();
+    const T infinity = spread(std::numeric_limits<double>::infinity(), s_rr), zero = spread(0.0, s_rr);
+    const T d = (v.range * (bb * v.range - rb * v.bearing) + v.bearing * (rr * v.bearing - rb * v.range)) / determinant;
+    distance2 = select(determinant > zero, select(d >= zero, d, infinity), infinity);  // NaN: out of bounds
   }
   /// log N(v; 0, S)
   [[nodiscard]] double log_density() const {
@@ -83,35 +97,48 @@ struct InnovationCovariance {
                : -std::numeric_limits<double>::infinity();
   }
 };
+using InnovationCovariance = BasicInnovationCovariance<double>;
 
 /// P H' of a landmark with covariance P, column by column (range, bearing).
+template <class T>
 struct CrossCovariance {
-  double xr, yr, xb, yb;
+  T xr, yr, xb, yb;
 };
-[[nodiscard]] inline CrossCovariance cross_covariance(const PointLandmark& m, const Innovation& v) {
+template <class T>
+[[nodiscard]] inline CrossCovariance<T> cross_covariance(const LandmarkState<T>& m, const BasicInnovation<T>& v) {
   return {m.xx * v.ux + m.xy * v.uy, m.xy * v.ux + m.yy * v.uy, v.inverse_range * (m.xy * v.ux - m.xx * v.uy),
           v.inverse_range * (m.yy * v.ux - m.xy * v.uy)};
 }
 
 /// H P H' + R
-[[nodiscard]] inline InnovationCovariance innovation_covariance(const Sighting& z, const Innovation& v,
-                                                                const CrossCovariance& c) {
+template <class T>
+[[nodiscard]] inline BasicInnovationCovariance<T> innovation_covariance(const RangeBearing<T>& z,
+                                                                        const BasicInnovation<T>& v,
+                                                                        const CrossCovariance<T>& c) {
   return {v.ux * c.xr + v.uy * c.yr + z.rr, v.ux * c.xb + v.uy * c.yb + z.rb,
           v.inverse_range * (v.ux * c.yb - v.uy * c.xb) + z.bb, v};
 }
 
-/// Kalman update of the landmark from a pose taken as known. An innovation that is impossible teaches nothing.
-inline void take_in(PointLandmark& m, const Innovation& v, const CrossCovariance& c, const InnovationCovariance& s) {
-  if (!(s.distance2 < std::numeric_limits<double>::infinity())) return;
-  const double scale = 1.0 / s.determinant;
-  const double i_rr = s.bb * scale, i_rb = -s.rb * scale, i_bb = s.rr * scale;
-  const double xr = c.xr * i_rr + c.xb * i_rb, xb = c.xr * i_rb + c.xb * i_bb;  // the gain
-  const double yr = c.yr * i_rr + c.yb * i_rb, yb = c.yr * i_rb + c.yb * i_bb;
+/// Kalman update from a pose taken as known. \pre distance2 of s is finite
+template <class T>
+inline void assimilate(LandmarkState<T>& m, const BasicInnovation<T>& v, const CrossCovariance<T>& c,
+                       const BasicInnovationCovariance<T>& s) {
+  const T scale = 1.0 / s.determinant;
+  const T i_rr = s.bb * scale, i_rb = -s.rb * scale, i_bb = s.rr * scale;
+  const T xr = c.xr * i_rr + c.xb * i_rb, xb = c.xr * i_rb + c.xb * i_bb;  // the gain
+  const T yr = c.yr * i_rr + c.yb * i_rb, yb = c.yr * i_rb + c.yb * i_bb;
   m.x += xr * v.range + xb * v.bearing;
   m.y += yr * v.range + yb * v.bearing;
   m.xx -= xr * c.xr + xb * c.xb;
   m.xy -= xr * c.yr + xb * c.yb;
   m.yy -= yr * c.yr + yb * c.yb;
+}
+
+/// Kalman update from a pose taken as known. An innovation that is impossible teaches nothing.
+inline void take_in(PointLandmark& m, const Innovation& v, const CrossCovariance<double>& c,
+                    const InnovationCovariance& s) {
+  if (!(s.distance2 < std::numeric_limits<double>::infinity())) return;
+  assimilate<double>(m, v, c, s);
   ++m.observations;
 }
 

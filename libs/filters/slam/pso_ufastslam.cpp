@@ -81,7 +81,7 @@ Pose2 PsoUFastSlam::motion_at(const Vector3& place) const {
 PsoUFastSlam::Fitness PsoUFastSlam::fitness(std::size_t i, const Vector3& place) {
   const ParticleView seen = view(i);
   const std::size_t known = maps_.size(i);
-  const Pose2 sensor = members_[i].before * motion_at(place) * scan_.sensor_in_base;
+  const Pose2 sensor = sensor_pose(members_[i].before * motion_at(place), scan_.sensor_in_base);
   LogDensity density;
   int free = 0;
   for (std::size_t k = 0; k < seen.slots.size(); ++k) {
@@ -90,8 +90,8 @@ PsoUFastSlam::Fitness PsoUFastSlam::fitness(std::size_t i, const Vector3& place)
       continue;
     }
     const PointLandmark& m = seen.landmark(k);
-    const Innovation v = innovation(scan_.sightings[k], sensor, m.x, m.y);
-    density.multiply(innovation_covariance(scan_.sightings[k], v, cross_covariance(m, v)));
+    const Innovation v = innovation<double>(scan_.sightings[k], sensor, m.x, m.y);
+    density.multiply(innovation_covariance<double>(scan_.sightings[k], v, cross_covariance<double>(m, v)));
   }
   const ObservationFit fit = density.fit(free, log_new_density_);
   return {fit.log_likelihood - 0.5 * place.squaredNorm(), fit.log_likelihood, fit.nis};

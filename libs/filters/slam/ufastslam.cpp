@@ -19,10 +19,18 @@ template <int Columns>
 Spread<Columns> offsets(double cx, double cy, double centre_range, const std::array<double, 2 * Columns>& dx,
                         const std::array<double, 2 * Columns>& dy) {
   Spread<Columns> s;
+  std::array<double, 2 * Columns> cross, dot;
   for (std::size_t i = 0; i < 2 * Columns; ++i) {
-    s.range[i] = std::sqrt(dx[i] * dx[i] + dy[i] * dy[i]) - centre_range;
-    s.bearing[i] = std::atan2(cx * dy[i] - cy * dx[i], cx * dx[i] + cy * dy[i]);
+    s.range[i] = dx[i] * dx[i] + dy[i] * dy[i];
+    cross[i] = cx * dy[i] - cy * dx[i];
+    dot[i] = cx * dx[i] + cy * dy[i];
   }
+  for (std::size_t i = 0; i < 2 * Columns; i += 2) {
+    const Pair range = square_root(Pair{s.range[i], s.range[i + 1]});
+    s.range[i] = range[0] - centre_range;
+    s.range[i + 1] = range[1] - centre_range;
+  }
+  fast_atan2<2 * Columns>(cross.data(), dot.data(), s.bearing.data());
   return s;
 }
 
@@ -74,7 +82,7 @@ struct UnscentedUpdate {
     Moments moments;
   };
   [[nodiscard]] Prediction predict(const PointLandmark& m, const Sighting& z, const Pose2& sensor) const {
-    Prediction p{innovation(z, sensor, m.x, m.y), LandmarkRoot(m), {}, {}};
+    Prediction p{innovation<double>(z, sensor, m.x, m.y), LandmarkRoot(m), {}, {}};
     const double cx = m.x - sensor.x, cy = m.y - sensor.y;
     const double ax = w.spread * p.root.xx, ay = w.spread * p.root.yx, by = w.spread * p.root.yy;
     p.spread =
@@ -138,7 +146,7 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
     const Sighting& z = view.scan.sightings[k];
     const PointLandmark& m = view.landmark(k);
     const Pose2 base = before * Pose2{q.mean[0], q.mean[1], q.mean[2]};
-    const Pose2 sensor = base * mount;
+    const Pose2 sensor = sensor_pose(base, mount);
     const double cx = m.x - sensor.x, cy = m.y - sensor.y;
     const Matrix3 root = semidefinite_cholesky<3>(q.covariance);
     const LandmarkRoot landmark_root(m);
@@ -165,7 +173,7 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
     dy[6] = cy + ay, dy[7] = cy - ay, dy[8] = cy + by, dy[9] = cy - by;
     turn[6] = turn[7] = turn[8] = turn[9] = 0.0;
 
-    Innovation v = innovation(z, sensor, m.x, m.y);
+    Innovation v = innovation<double>(z, sensor, m.x, m.y);
     Spread<5> spread = offsets<5>(cx, cy, z.range - v.range, dx, dy);
     for (std::size_t i = 0; i < 6; ++i) spread.bearing[i] -= turn[i];
     const Moments s = moments(spread.range, spread.bearing, w);

@@ -110,7 +110,9 @@ TEST(Sightings, OrderInTheMessageChangesNothing) {
 }
 
 TEST(Sightings, TwoSightingsNeverShareALandmark) {
-  std::vector<PointLandmark> map{{.x = 2.0, .xx = 1e-4, .yy = 1e-4, .id = -2}};
+  std::vector<PointLandmark> map(1);
+  map[0].set({2.0, 0.0}, 1e-4 * Matrix2::Identity());
+  map[0].id = -2;
   LandmarkDetections d;
   for (const double range : {2.02, 1.9}) {
     d.detections.push_back({.range = range, .covariance = sighting_covariance()});
@@ -126,7 +128,9 @@ TEST(Sightings, TwoSightingsNeverShareALandmark) {
 
 TEST(Sightings, TheUnassociatedAlwaysPays) {
   const SightingParameters parameters;
-  std::vector<PointLandmark> map{{.x = 2.0, .xx = 1e-4, .yy = 1e-4, .id = -2}};
+  std::vector<PointLandmark> map(1);
+  map[0].set({2.0, 0.0}, 1e-4 * Matrix2::Identity());
+  map[0].id = -2;
   const auto cost_of = [&](double range) {
     LandmarkDetections d;
     d.detections.push_back({.range = range, .covariance = sighting_covariance()});
