@@ -34,7 +34,7 @@ void FastSlam1::move(const PoseGaussian& motion, std::uint64_t stream, std::uint
 
 void FastSlam1::take_in(std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
-    fits_[i] = update_map({scan_, slots(i), maps_, i, log_new_density_}, particles_.poses()[i], KalmanUpdate{});
+    fits_[i] = update_map(points_.view(i), particles_.poses()[i], KalmanUpdate{});
   }
 }
 
@@ -89,7 +89,7 @@ MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, 
 void FastSlam2::take_in(std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     Pose2& pose = particles_.poses()[i];
-    const ParticleView view{scan_, slots(i), maps_, i, log_new_density_};
+    const ParticleView view = points_.view(i);
     const MotionPosterior q = linear_posterior(view, pose, motion_);
     fits_[i] = q.fit;
     Rng rng = motion_rng(i);

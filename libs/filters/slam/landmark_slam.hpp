@@ -4,20 +4,17 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
-#include "filters/slam/landmark_association.hpp"
-#include "filters/slam/landmark_maps.hpp"
 #include "filters/slam/landmark_parameters.hpp"
 #include "filters/slam/path_particles.hpp"
+#include "filters/slam/point_maps.hpp"
 #include "filters/slam/slam_filter.hpp"
 
 namespace noctule::filters {
 
 /// A scan is taken in by steps: odometry is summed up, once for all particles, as a motion in the frame of each pose;
 /// sightings are associated with each particle's landmarks; the particles move, are weighed, and update their maps.
-/// As long as all sightings carry an identity, all particles have the same landmarks in the same slots.
 class LandmarkSlam : public SlamFilter {
  public:
   void predict(const Odometry& odometry) override;
@@ -33,7 +30,7 @@ class LandmarkSlam : public SlamFilter {
   [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
 
   /// Memory of all landmarks [bytes].
-  [[nodiscard]] std::size_t map_bytes() const { return maps_.bytes(); }
+  [[nodiscard]] std::size_t map_bytes() const { return points_.maps().bytes(); }
 
  protected:
   /// \param name of the filter in errors
@@ -47,23 +44,16 @@ class LandmarkSlam : public SlamFilter {
   /// Whether a message without sightings leaves the particles where they are, so that the motion is drawn when there is
   /// something to see.
   [[nodiscard]] virtual bool may_wait() const { return false; }
-  /// Moves particles [begin, end) by motion_, notes what they say of the scan in fits_, and updates their maps. The
-  /// landmarks named by slots(i) are their own, and there is room for new ones.
+  /// Moves particles [begin, end) by motion_, notes what they say of the scan in fits_, and updates their maps, which
+  /// are writable.
   virtual void take_in(std::size_t begin, std::size_t end) = 0;
   /// The steps of a scan from the association on.
   virtual void observe(const Stamp& stamp);
 
-  /// What becomes of each sighting in the map of a particle: see associate().
-  [[nodiscard]] std::span<const std::int32_t> slots(std::size_t i) const {
-    return {slots_.data() + (shared_identity_ ? 0 : i * scan_.sightings.size()), scan_.sightings.size()};
-  }
-  void make_landmarks_writable();
   /// Runs body(begin, end) over all particles.
   void for_particles(const std::function<void(std::size_t, std::size_t)>& body);
   /// \return ancestors; empty when nothing changed
   std::span<const std::uint32_t> resample();
-  /// Gives the sightings' slots of ancestors to their offspring, where these still have to take the scan in.
-  void inherit_slots(std::span<const std::uint32_t> ancestors);
   /// Of its motion, for a particle at an observation.
   [[nodiscard]] Rng motion_rng(std::size_t i) const {
     return Rng(seed_, stream_id("landmark_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i));
@@ -71,22 +61,13 @@ class LandmarkSlam : public SlamFilter {
 
   LandmarkSlamParameters parameters_;
   std::uint64_t seed_;
-  double log_new_density_;
   PathParticles particles_;
-  LandmarkMaps maps_;
+  PointMaps points_;
   PoseGaussian motion_;  ///< still to be drawn, in the frame of each pose
-  LandmarkScan scan_;
   std::vector<ObservationFit> fits_;
 
  private:
-  void prepare(const LandmarkDetections& detections);
-  void associate_all();
-  void find_named();
-
-  bool shared_identity_ = true;
-  std::vector<std::int32_t> slots_;                         ///< one row a particle, or one for all
-  std::unordered_map<std::int64_t, std::int32_t> slot_of_;  ///< of each identity, where it is shared
-  std::int64_t next_id_ = -2;                               ///< of the next landmark the filter names, counting down
+  std::int64_t next_id_ = -2;  ///< of the next landmark the filter names, counting down
   std::optional<std::int64_t> last_detections_;
 };
 

@@ -5,26 +5,10 @@
 #include <span>
 
 #include "core/gaussian.hpp"
-#include "filters/slam/landmark_slam.hpp"
+#include "filters/slam/path_particles.hpp"
+#include "filters/slam/point_maps.hpp"
 
 namespace noctule::filters {
-
-/// What a particle sees: its map, and what each sighting is of.
-struct ParticleView {
-  const LandmarkScan& scan;
-  std::span<const std::int32_t> slots;
-  LandmarkMaps& maps;
-  std::size_t particle;
-  double log_new_density;
-
-  /// Whether the k-th sighting is of a landmark that was in the map before this scan.
-  [[nodiscard]] bool is_known(std::size_t k, std::size_t size_before) const {
-    return slots[k] >= 0 && static_cast<std::size_t>(slots[k]) < size_before;
-  }
-  [[nodiscard]] const PointLandmark& landmark(std::size_t k) const {
-    return maps.at(particle, static_cast<std::size_t>(slots[k]));
-  }
-};
 
 /// Sum of log N(v; 0, S) of independent innovations of two numbers; takes one logarithm for many.
 class LogDensity {

@@ -3,6 +3,7 @@
 #include "core/check.hpp"
 #include "core/error.hpp"
 #include "filters/checks.hpp"
+#include "filters/slam/particle_kernel.hpp"
 #include "particle/parallel.hpp"
 
 namespace noctule::filters {
@@ -21,7 +22,9 @@ ParticleSlam::ParticleSlam(const ParticleSlamParameters& parameters, std::uint64
       seed_(seed),
       particles_(checked_size(parameters, start), start, {parameters.resampling, parameters.resample_below, {}}, seed,
                  stream_id("particle_slam.resampling")),
-      maps_(particles_.size()) {}
+      contours_(particles_.size()),
+      points_(particles_.size(), parameters.sightings, {}, MapStorage::automatic, parameters.threads),
+      fits_(particles_.size()) {}
 
 void ParticleSlam::predict(const Odometry& odometry) {
   check(odometry);
@@ -36,8 +39,11 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   move_particles();
   const ContourObservation observation(scan, features, stop_, next_id_, parameters_);
   next_id_ -= static_cast<std::int64_t>(features.features.size());
-  observe(scan.stamp, [&](const Pose2& base, Map& map, std::vector<char>& scratch) {
-    return observation.apply(base, map.contours, scratch);
+  observe(scan.stamp, [&](std::size_t begin, std::size_t end) {
+    std::vector<char> scratch;
+    for (std::size_t i = begin; i < end; ++i) {
+      fits_[i] = observation.apply(particles_.poses()[i], contours_[i], scratch);
+    }
   });
 }
 
@@ -46,10 +52,13 @@ void ParticleSlam::update(const LandmarkDetections& detections) {
   check_order("landmark detections", detections.stamp, last_detections_);
 
   move_particles();
-  const std::int64_t first_id = next_id_;
-  next_id_ -= static_cast<std::int64_t>(detections.detections.size());
-  observe(detections.stamp, [&](const Pose2& base, Map& map, std::vector<char>&) {
-    return apply_sightings(detections, base, first_id, parameters_.sightings, map.points);
+  points_.begin(detections, next_id_);
+  points_.associate(particles_.poses(), {});
+  points_.make_writable();
+  observe(detections.stamp, [this](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      fits_[i] = update_map(points_.view(i), particles_.poses()[i], KalmanUpdate{});
+    }
   });
 }
 
@@ -69,27 +78,26 @@ void ParticleSlam::move_particles() {
   proposal_.reset();
 }
 
-template <class Apply>
-void ParticleSlam::observe(const Stamp& stamp, Apply apply) {
-  std::vector<ObservationFit> fits(particles_.size());
-  particle::for_blocks(particles_.size(), parameters_.threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<char> scratch;
-    for (std::size_t i = begin; i < end; ++i) fits[i] = apply(particles_.poses()[i], maps_[i], scratch);
-  });
-  particles_.weigh(fits);
-  particles_.record(stamp, fits);
-  // Survivors keep their slots, so that none is overwritten before it is copied.
+void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body) {
+  particle::for_blocks(particles_.size(), parameters_.threads, body);
+  particles_.weigh(fits_);
+  particles_.record(stamp, fits_);
   const auto ancestors = particles_.resample();
+  if (ancestors.empty()) return;
+  points_.resample(ancestors);
+  // Survivors keep their slots, so that none is overwritten before it is copied.
   for (std::size_t i = 0; i < ancestors.size(); ++i) {
-    if (ancestors[i] != i) maps_[i] = maps_[ancestors[i]];
+    if (ancestors[i] != i) contours_[i] = contours_[ancestors[i]];
   }
 }
 
 LandmarkMap ParticleSlam::map() const {
   LandmarkMap result{particles_.estimate().stamp, {}};
-  const Map& best = maps_[particles_.best()];
-  for (const ContourLandmark& landmark : best.contours) result.landmarks.push_back(landmark.estimate());
-  for (const PointLandmark& point : best.points) result.landmarks.push_back(point.estimate());
+  const std::size_t best = particles_.best();
+  for (const ContourLandmark& landmark : contours_[best]) result.landmarks.push_back(landmark.estimate());
+  for (std::size_t k = 0; k < points_.maps().size(best); ++k) {
+    result.landmarks.push_back(points_.maps().at(best, k).estimate());
+  }
   return result;
 }
 

@@ -2,6 +2,7 @@
 /// PF-SLAM, the baseline: a Rao-Blackwellised particle filter over the path, with walls, cylinders and points as
 /// Kalman-filtered landmarks of each particle.
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -13,7 +14,7 @@
 #include "filters/slam/odometry_proposal.hpp"
 #include "filters/slam/parameters.hpp"
 #include "filters/slam/path_particles.hpp"
-#include "filters/slam/sightings.hpp"
+#include "filters/slam/point_maps.hpp"
 #include "filters/slam/slam_filter.hpp"
 
 namespace noctule::filters {
@@ -40,20 +41,17 @@ class ParticleSlam : public SlamFilter {
   [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
 
  private:
-  struct Map {
-    std::vector<ContourLandmark> contours;
-    std::vector<PointLandmark> points;
-  };
-
   void move_particles();
-  template <class Apply>
-  void observe(const Stamp& stamp, Apply apply);
+  /// \param body notes in fits_ what particles [begin, end) say
+  void observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body);
 
   ParticleSlamParameters parameters_;
   std::uint64_t seed_;
   OdometryProposal proposal_;
   PathParticles particles_;
-  std::vector<Map> maps_;  ///< one per particle
+  std::vector<std::vector<ContourLandmark>> contours_;  ///< of each particle
+  PointMaps points_;
+  std::vector<ObservationFit> fits_;
 
   std::int64_t next_id_ = -2;   ///< of the next landmark the filter names, counting down
   int stop_ = 0;                ///< number of the present stop ...

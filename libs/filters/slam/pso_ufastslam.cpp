@@ -23,16 +23,17 @@ void PsoUFastSlam::observe(const Stamp& stamp) {
   const auto ancestors = resample();
   if (!ancestors.empty()) inherit(ancestors);
   if (when_ == SwarmMoves::always || !ancestors.empty()) swarm(ancestors.empty());
-  make_landmarks_writable();
+  points_.make_writable();
   for_particles([this](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) update_landmarks(view(i), particles_.poses()[i]);
+    for (std::size_t i = begin; i < end; ++i) update_landmarks(points_.view(i), particles_.poses()[i]);
   });
+  points_.live();
   motion_ = {};
   particles_.record(stamp, fits_);
 }
 
 void PsoUFastSlam::inherit(std::span<const std::uint32_t> ancestors) {
-  inherit_slots(ancestors);
+  points_.inherit(ancestors);
   for (std::size_t i = 0; i < ancestors.size(); ++i) {
     if (ancestors[i] == i) continue;
     members_[i] = members_[ancestors[i]];
@@ -79,9 +80,9 @@ Pose2 PsoUFastSlam::motion_at(const Vector3& place) const {
 }
 
 PsoUFastSlam::Fitness PsoUFastSlam::fitness(std::size_t i, const Vector3& place) {
-  const ParticleView seen = view(i);
-  const std::size_t known = maps_.size(i);
-  const Pose2 sensor = sensor_pose(members_[i].before * motion_at(place), scan_.sensor_in_base);
+  const ParticleView seen = points_.view(i);
+  const std::size_t known = seen.maps.size(i);
+  const Pose2 sensor = sensor_pose(members_[i].before * motion_at(place), seen.scan.sensor_in_base);
   LogDensity density;
   int free = 0;
   for (std::size_t k = 0; k < seen.slots.size(); ++k) {
@@ -90,10 +91,10 @@ PsoUFastSlam::Fitness PsoUFastSlam::fitness(std::size_t i, const Vector3& place)
       continue;
     }
     const PointLandmark& m = seen.landmark(k);
-    const Innovation v = innovation<double>(scan_.sightings[k], sensor, m.x, m.y);
-    density.multiply(innovation_covariance<double>(scan_.sightings[k], v, cross_covariance<double>(m, v)));
+    const Innovation v = innovation<double>(seen.scan.sightings[k], sensor, m.x, m.y);
+    density.multiply(innovation_covariance<double>(seen.scan.sightings[k], v, cross_covariance<double>(m, v)));
   }
-  const ObservationFit fit = density.fit(free, log_new_density_);
+  const ObservationFit fit = density.fit(free, seen.log_new_density);
   return {fit.log_likelihood - 0.5 * place.squaredNorm(), fit.log_likelihood, fit.nis};
 }
 
@@ -101,7 +102,7 @@ void PsoUFastSlam::propose(std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     Pose2& pose = particles_.poses()[i];
     members_[i].before = pose;
-    members_[i].proposal = posterior(view(i), pose);
+    members_[i].proposal = posterior(points_.view(i), pose);
     fits_[i] = members_[i].proposal.fit;
     Rng rng = motion_rng(i);
     const Pose2 motion = draw_motion(members_[i].proposal, rng);

@@ -246,11 +246,11 @@ void UFastSlam::update_landmarks(const ParticleView& view, const Pose2& pose) co
 void UFastSlam::take_in(std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     Pose2& pose = particles_.poses()[i];
-    const MotionPosterior q = posterior(view(i), pose);
+    const MotionPosterior q = posterior(points_.view(i), pose);
     fits_[i] = q.fit;
     Rng rng = motion_rng(i);
     pose = pose * draw_motion(q, rng);
-    update_landmarks(view(i), pose);
+    update_landmarks(points_.view(i), pose);
   }
 }
 

@@ -18,7 +18,6 @@ class UFastSlam : public LandmarkSlam {
   [[nodiscard]] bool may_wait() const override;
   void take_in(std::size_t begin, std::size_t end) override;
 
-  [[nodiscard]] ParticleView view(std::size_t i) { return {scan_, slots(i), maps_, i, log_new_density_}; }
   [[nodiscard]] MotionPosterior posterior(const ParticleView& view, const Pose2& before) const;
   void update_landmarks(const ParticleView& view, const Pose2& pose) const;
 
