@@ -12,10 +12,10 @@ namespace noctule::particle {
 namespace {
 
 using Counts = std::span<std::uint32_t>;
-using Weights = std::span<const double>;
+using LinearWeights = std::span<const double>;
 
 /// Sum of the weights; NaN where one is negative or NaN. Four running sums hide the latency of the addition.
-double checked_sum(Weights weights) {
+double checked_sum(LinearWeights weights) {
   std::array<double, 4> sums{};
   bool valid = true;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -26,7 +26,7 @@ double checked_sum(Weights weights) {
 }
 
 /// Last particle that may have offspring: takes what rounding leaves over at the upper end.
-std::size_t last_positive(Weights weights) {
+std::size_t last_positive(LinearWeights weights) {
   std::size_t last = weights.size() - 1;
   while (weights[last] <= 0.0) --last;
   return last;
@@ -34,7 +34,7 @@ std::size_t last_positive(Weights weights) {
 
 /// Counts how many of `size` increasing positions in (0, total) fall on each particle; position(m) yields the m-th.
 template <class Position>
-void count_positions(Weights weights, std::uint32_t size, Counts counts, Position position) {
+void count_positions(LinearWeights weights, std::uint32_t size, Counts counts, Position position) {
   const std::size_t last = last_positive(weights);
   std::size_t i = 0;
   double cumulative = weights[0];
@@ -48,7 +48,7 @@ void count_positions(Weights weights, std::uint32_t size, Counts counts, Positio
 class Multinomial : public Resampler {
   /// Order statistics of M uniforms without sorting: the smallest of k uniforms on (low, 1) lies at
   /// 1 - (1 - low) U^(1/k).
-  void draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
+  void draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
     double above = 1.0;
     count_positions(weights, size, counts, [&](std::uint32_t m) {
       above *= std::exp(std::log(rng.uniform()) / (size - m));
@@ -58,7 +58,7 @@ class Multinomial : public Resampler {
 };
 
 class Stratified : public Resampler {
-  void draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
+  void draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
     const double stratum = total / size;
     count_positions(weights, size, counts, [&](std::uint32_t m) { return stratum * (m + rng.uniform()); });
   }
@@ -66,7 +66,7 @@ class Stratified : public Resampler {
 
 class Systematic : public Resampler {
   /// The teeth m + offset below M cumulative / total are counted, not searched: no branch depends on the weights.
-  void draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
+  void draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
     const double scale = size / total;
     const double shift = 1.0 - rng.uniform();  // in (0, 1): floor(x + shift) = number of teeth below x
     double cumulative = 0.0;
@@ -83,7 +83,7 @@ class Systematic : public Resampler {
 
 class Ssp : public Resampler {
   /// Everybody gets floor(M w); then the fractional parts meet in pairs, one of which becomes 0 or 1 each time.
-  void draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
+  void draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) const override {
     const double scale = size / total;
     const auto split = [&](std::size_t i) {
       const double expected = weights[i] * scale;
@@ -128,7 +128,7 @@ class Ssp : public Resampler {
 
 }  // namespace
 
-void Resampler::offspring(Weights weights, std::uint32_t size, Rng& rng, Counts counts) const {
+void Resampler::offspring(LinearWeights weights, std::uint32_t size, Rng& rng, Counts counts) const {
   if (weights.empty() || counts.size() != weights.size()) {
     throw std::invalid_argument("resampling: as many counts as weights are needed, and at least one");
   }

@@ -2,20 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/assignment.hpp"
 #include "core/check.hpp"
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "filters/checks.hpp"
 #include "models/range_bearing.hpp"
 
 namespace noctule::filters {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 EkfSlam::EkfSlam(const EkfSlamParameters& parameters, const Pose2& start)
     : parameters_(parameters), mean_(start.vector()), covariance_(Eigen::MatrixXd::Zero(3, 3)) {
@@ -110,8 +105,8 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
                        [j](const Match& m) { return m.landmark == j; });
   };
   Eigen::MatrixXd cost =
-      Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns), kInfinity);
-  std::vector<double> nearest(rows.size(), kInfinity);
+      Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns), kInf);
+  std::vector<double> nearest(rows.size(), kInf);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = 0; j < columns; ++j) {
       if (is_taken(j)) continue;
@@ -128,7 +123,7 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
   } else if (columns > 0) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       int j = 0;
-      if (cost.row(static_cast<Eigen::Index>(i)).minCoeff(&j) < kInfinity) column_of[i] = j;
+      if (cost.row(static_cast<Eigen::Index>(i)).minCoeff(&j) < kInf) column_of[i] = j;
     }
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -160,7 +155,7 @@ void EkfSlam::take_in() {
   symmetrise(s);
   const Eigen::LLT<Eigen::MatrixXd> llt(s);
   const Eigen::VectorXd y = llt.matrixL().solve(innovation);
-  if (llt.info() != Eigen::Success || !(y.squaredNorm() < kInfinity)) {
+  if (llt.info() != Eigen::Success || !(y.squaredNorm() < kInf)) {
     ++collapses_;  // impossible: nothing to be learned from it
     return;
   }

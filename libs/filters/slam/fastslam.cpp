@@ -71,7 +71,7 @@ MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, 
     const Matrix2 hph = h * pht;
     const InnovationCovariance s(at_pose.rr + hph(0, 0), at_pose.rb + hph(0, 1), at_pose.bb + hph(1, 1), v);
     density.multiply(s);
-    if (!(s.distance2 < std::numeric_limits<double>::infinity())) continue;
+    if (!(s.distance2 < kInf)) continue;
     Matrix2 inverse, noise;
     inverse << s.bb, -s.rb, -s.rb, s.rr;
     noise << at_pose.rr, at_pose.rb, at_pose.rb, at_pose.bb;

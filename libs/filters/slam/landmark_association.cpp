@@ -1,14 +1,12 @@
 #include "filters/slam/landmark_association.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/assignment.hpp"
+#include "core/limits.hpp"
 
 namespace noctule::filters {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A sighting and a landmark that may have made it.
 struct Candidate {
@@ -75,7 +73,7 @@ class Matcher {
   /// Pairs within the gate, from the first sighting without identity on.
   void gather(std::size_t first) {
     scratch_.candidates.clear();
-    scratch_.nearest.assign(scan_.sightings.size(), kInfinity);
+    scratch_.nearest.assign(scan_.sightings.size(), kInf);
     const Pose2 moved = pose_.base * pose_.motion.mean;
     const Pose2 sensor = sensor_pose(moved, scan_.sensor_in_base);
     const bool certain = pose_.motion.covariance.isZero(0.0);
@@ -120,7 +118,7 @@ class Matcher {
   void match_nearest() {
     auto& candidates = scratch_.candidates;
     for (std::size_t k = 0; k < slots_.size(); ++k) {
-      double best = kInfinity;
+      double best = kInf;
       for (const Candidate& c : candidates) {
         if (c.sighting == k && c.cost < best) {
           best = c.cost;
@@ -155,7 +153,7 @@ class Matcher {
       if (std::ranges::find(columns, c.slot) == columns.end()) columns.push_back(c.slot);
     }
     Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()),
-                                                     static_cast<Eigen::Index>(columns.size()), kInfinity);
+                                                     static_cast<Eigen::Index>(columns.size()), kInf);
     for (const Candidate& c : candidates) {
       cost(std::ranges::find(rows, c.sighting) - rows.begin(), std::ranges::find(columns, c.slot) - columns.begin()) =
           c.cost;

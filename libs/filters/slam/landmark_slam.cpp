@@ -7,7 +7,6 @@
 #include "core/check.hpp"
 #include "core/error.hpp"
 #include "filters/checks.hpp"
-#include "particle/parallel.hpp"
 
 namespace noctule::filters {
 namespace {
@@ -57,10 +56,6 @@ void LandmarkSlam::update(const LandmarkDetections& detections) {
   before_association();
   points_.associate(particles_.poses(), motion_);
   observe(detections.stamp);
-}
-
-void LandmarkSlam::for_particles(const std::function<void(std::size_t, std::size_t)>& body) {
-  particle::for_blocks(particles_.size(), parameters_.threads, body);
 }
 
 void LandmarkSlam::observe(const Stamp& stamp) {

@@ -2,7 +2,6 @@
 /// The particle filters over point landmarks: what they share. A filter is a proposal (how particles move to a scan and
 /// what it weighs there) and a landmark update, put together at compile time (particle_kernel.hpp).
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "filters/slam/path_particles.hpp"
 #include "filters/slam/point_maps.hpp"
 #include "filters/slam/slam_filter.hpp"
+#include "particle/parallel.hpp"
 
 namespace noctule::filters {
 
@@ -51,7 +51,10 @@ class LandmarkSlam : public SlamFilter {
   virtual void observe(const Stamp& stamp);
 
   /// Runs body(begin, end) over all particles.
-  void for_particles(const std::function<void(std::size_t, std::size_t)>& body);
+  template <class Body>
+  void for_particles(const Body& body) {
+    particle::for_blocks(particles_.size(), parameters_.threads, body);
+  }
   /// \return ancestors; empty when nothing changed
   std::span<const std::uint32_t> resample();
   /// Of its motion, for a particle at an observation.

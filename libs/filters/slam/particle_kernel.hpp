@@ -17,7 +17,7 @@ class LogDensity {
   void multiply(double distance2, double determinant) {
     ++count_;
     distance2_ += distance2;
-    determinant_ *= distance2 < std::numeric_limits<double>::infinity() ? determinant : 1.0;
+    determinant_ *= distance2 < kInf ? determinant : 1.0;
     if (determinant_ < 1e-150 || determinant_ > 1e150) {
       log_determinant_ += std::log(determinant_);
       determinant_ = 1.0;
@@ -57,7 +57,7 @@ struct KalmanUpdate {
     PointLandmark* const landmarks[] = {&a, &b};
     for (int i = 0; i < 2; ++i) {
       density.multiply(s.distance2[i], s.determinant[i]);
-      if (!(s.distance2[i] < std::numeric_limits<double>::infinity())) continue;
+      if (!(s.distance2[i] < kInf)) continue;
       static_cast<LandmarkState<double>&>(*landmarks[i]) = {m.x[i], m.y[i], m.xx[i], m.xy[i], m.yy[i]};
       ++landmarks[i]->observations;
     }

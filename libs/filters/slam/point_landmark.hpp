@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "core/estimate.hpp"
+#include "core/limits.hpp"
 #include "core/pair.hpp"
 #include "core/pose2.hpp"
 
@@ -86,15 +86,13 @@ struct BasicInnovationCovariance {
 
   BasicInnovationCovariance(T s_rr, T s_rb, T s_bb, const BasicInnovation<T>& v)
       : rr(s_rr), rb(s_rb), bb(s_bb), determinant(s_rr * s_bb - s_rb * s_rb) {
-    const T infinity = spread(std::numeric_limits<double>::infinity(), s_rr), zero = spread(0.0, s_rr);
+    const T infinity = spread(kInf, s_rr), zero = spread(0.0, s_rr);
     const T d = (v.range * (bb * v.range - rb * v.bearing) + v.bearing * (rr * v.bearing - rb * v.range)) / determinant;
     distance2 = select(determinant > zero, select(d >= zero, d, infinity), infinity);  // NaN: out of bounds
   }
   /// log N(v; 0, S)
   [[nodiscard]] double log_density() const {
-    return distance2 < std::numeric_limits<double>::infinity()
-               ? -0.5 * (distance2 + std::log(determinant)) - std::log(kTwoPi)
-               : -std::numeric_limits<double>::infinity();
+    return distance2 < kInf ? -0.5 * (distance2 + std::log(determinant)) - std::log(kTwoPi) : -kInf;
   }
 };
 using InnovationCovariance = BasicInnovationCovariance<double>;
@@ -137,7 +135,7 @@ inline void assimilate(LandmarkState<T>& m, const BasicInnovation<T>& v, const C
 /// Kalman update from a pose taken as known. An innovation that is impossible teaches nothing.
 inline void take_in(PointLandmark& m, const Innovation& v, const CrossCovariance<double>& c,
                     const InnovationCovariance& s) {
-  if (!(s.distance2 < std::numeric_limits<double>::infinity())) return;
+  if (!(s.distance2 < kInf)) return;
   assimilate<double>(m, v, c, s);
   ++m.observations;
 }

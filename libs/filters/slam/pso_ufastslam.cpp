@@ -61,7 +61,7 @@ void PsoUFastSlam::swarm(bool weighed) {
     if (weighting_ == SwarmWeighting::density && weighed) log_weights_[i] -= fits_[i].log_likelihood;
     log_weights_[i] += before[i];
   }
-  if (log_sum_exp(log_weights_) > -std::numeric_limits<double>::infinity()) particles_.reweigh(log_weights_);
+  if (log_sum_exp(log_weights_) > -kInf) particles_.reweigh(log_weights_);
 }
 
 Vector3 PsoUFastSlam::in_prior(const Pose2& motion) const {

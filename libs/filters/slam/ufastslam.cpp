@@ -186,7 +186,7 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
       const Moments l = landmark_update.predict(m, z, sensor).moments;
       density.multiply({gain_s.rr + l.rr, gain_s.rb + l.rb, gain_s.bb + l.bb, v});
     }
-    if (!(gain_s.distance2 < std::numeric_limits<double>::infinity())) continue;
+    if (!(gain_s.distance2 < kInf)) continue;
 
     Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
     for (std::size_t c = 0; c < 3; ++c) {
