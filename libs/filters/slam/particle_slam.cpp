@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "filters/checks.hpp"
 #include "particle/parallel.hpp"
+#include "particle/pose_apf.hpp"
 
 namespace noctule::filters {
 namespace {
@@ -138,12 +139,16 @@ void ParticleSlam::resample(std::span<const double> weights) {
   std::vector<double> copy_weights(n);
   Rng rng(seed_, stream_id("particle_slam.resampling"), step_);
   resampler_->offspring(weights, static_cast<std::uint32_t>(n), rng, counts, copy_weights);
+  const particle::Spread before(particle::pose_states(std::span<const Pose2>(poses_)), weights);
   particle::place_in_slots(counts, ancestors);
   // Survivors keep their slots, so that none is overwritten before it is copied.
   for (std::size_t i = 0; i < n; ++i) {
     if (ancestors[i] == i) continue;
     poses_[i] = poses_[ancestors[i]];
     maps_[i] = maps_[ancestors[i]];
+  }
+  if (parameters_.resampling == particle::Resampling::regularised) {
+    particle::regularise(before, particle::pose_states(std::span<Pose2>(poses_)), rng);
   }
   paths_.resample(ancestors);
   if (resampler_->equal_weights()) {
