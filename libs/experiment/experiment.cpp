@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "experiment/contour_room.hpp"
 #include "experiment/csv.hpp"
+#include "experiment/growth_model.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -61,7 +62,9 @@ std::string Experiment::validate() const {
 
 std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "contour_room") return std::make_unique<ContourRoom>(spec);
-  throw InputError("scenario '" + spec.name + "': kind: expected contour_room, got '" + spec.kind + "'");
+  if (spec.kind == "growth_model") return std::make_unique<GrowthModelRuns>(spec);
+  throw InputError("scenario '" + spec.name + "': kind: expected contour_room or growth_model, got '" + spec.kind +
+                   "'");
 }
 
 std::vector<FilterSpec> expand(std::span<const FilterSpec> families) {
