@@ -41,29 +41,29 @@ struct Run {
 Run play(ObservationSource& source, const modules::PipelineParameters& p) {
   Run run;
   sensors::UltrasonicExtractor extractor(p.ultrasonic.value_or(sensors::ExtractorParameters{}));
-  filters::ParticleSlam slam(p.slam.value().filter, p.seed, source.world().start_in_map);
+  const auto slam = filters::make_slam_filter(p.slam.value().filter, p.seed, source.world().start_in_map);
   Pose2 given = source.world().start_in_map, dead_reckoning = given;
-  const auto estimated = [&](std::int64_t utime) { run.online.push_back({utime, slam.estimate().pose}); };
+  const auto estimated = [&](std::int64_t utime) { run.online.push_back({utime, slam->estimate().pose}); };
   while (const auto observation = source.next()) {
     if (const auto* o = std::get_if<Odometry>(&*observation)) {
       extractor.predict(*o);
-      slam.predict(*o);
+      slam->predict(*o);
       dead_reckoning = dead_reckoning * o->increment;
     } else if (const auto* g = std::get_if<GroundTruth>(&*observation)) {
       given = g->base_in_map;
       run.truth.push_back({g->stamp.utime, given});
     } else if (const auto* scan = std::get_if<UltrasonicScan>(&*observation)) {
-      slam.update(*scan, p.ultrasonic ? extractor.update(*scan) : ContourFeatures{});
+      slam->update(*scan, p.ultrasonic ? extractor.update(*scan) : ContourFeatures{});
       run.scans.push_back(*scan);
       run.given.push_back(given);
       run.dead_reckoning.push_back(dead_reckoning);
       estimated(scan->stamp.utime);
     } else if (const auto* d = std::get_if<LandmarkDetections>(&*observation)) {
-      slam.update(*d);
+      slam->update(*d);
       estimated(d->stamp.utime);
     }
   }
-  for (const PathPose& pose : slam.path().poses) run.path.push_back(pose.pose);
+  for (const PathPose& pose : slam->path().poses) run.path.push_back(pose.pose);
   return run;
 }
 

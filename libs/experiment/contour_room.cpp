@@ -7,7 +7,7 @@
 #include "config/config.hpp"
 #include "eval/contour_error.hpp"
 #include "eval/trajectory.hpp"
-#include "filters/slam/particle_slam.hpp"
+#include "experiment/slam_filters.hpp"
 #include "sim/room_geometry.hpp"
 #include "sim/simulator.hpp"
 
@@ -75,18 +75,18 @@ Result true_path(const Stream& stream) {
   return result;
 }
 
-Result filter(const Stream& stream, const filters::ParticleSlamParameters& parameters, std::uint64_t seed) {
-  filters::ParticleSlam slam(parameters, seed, stream.world.start_in_map);
+Result filter(const Stream& stream, const filters::SlamFilterParameters& parameters, std::uint64_t seed) {
+  const auto slam = filters::make_slam_filter(parameters, seed, stream.world.start_in_map);
   Result result;
   for (const Stop& stop : stream.stops) {
-    for (const Odometry& o : stop.odometry) slam.predict(o);
-    slam.update(stop.scan, stop.features);
-    const SlamEstimate estimate = slam.estimate();
+    for (const Odometry& o : stop.odometry) slam->predict(o);
+    slam->update(stop.scan, stop.features);
+    const SlamEstimate estimate = slam->estimate();
     result.online.push_back(estimate.pose);
     const double nees = eval::nees(estimate.pose, estimate.covariance, stop.truth);
     if (std::isfinite(nees)) result.nees.push_back(nees);
   }
-  for (const PathPose& pose : slam.path().poses) result.path.push_back(pose.pose);
+  for (const PathPose& pose : slam->path().poses) result.path.push_back(pose.pose);
   return result;
 }
 
@@ -115,10 +115,6 @@ std::vector<eval::Metric> figures(const Result& result, const Stream& stream, co
   return metrics;
 }
 
-filters::ParticleSlamParameters parameters_of(const FilterSpec& spec) {
-  return config::load<filters::ParticleSlamParameters>(effective_config(spec));
-}
-
 }  // namespace
 
 ContourRoom::ContourRoom(const ScenarioSpec& spec) : parameters_(config::load<ContourRoomParameters>(spec.config)) {}
@@ -138,7 +134,7 @@ std::vector<std::string> ContourRoom::metrics() const {
 }
 
 void ContourRoom::check(const FilterSpec& filter) const {
-  if (filter.name == "pf") static_cast<void>(parameters_of(filter));
+  if (is_slam_filter(filter.name)) static_cast<void>(slam_filter_parameters(filter));
 }
 
 std::vector<FilterRun> ContourRoom::run(std::uint64_t seed, std::span<const FilterSpec> filters) const {
@@ -148,7 +144,7 @@ std::vector<FilterRun> ContourRoom::run(std::uint64_t seed, std::span<const Filt
     const double begin = cpu_seconds();
     const Result result = spec.name == "known_pose"       ? true_path(stream)
                           : spec.name == "dead_reckoning" ? dead_reckon(stream)
-                                                          : filter(stream, parameters_of(spec), seed);
+                                                          : filter(stream, slam_filter_parameters(spec), seed);
     const double filter_time = cpu_seconds() - begin;
     runs.push_back({.figures = figures(result, stream, parameters_.mapper),
                     .timings = {{"cpu_per_scan", filter_time / static_cast<double>(stream.stops.size()), "s"}},

@@ -11,10 +11,9 @@ namespace noctule::modules {
 
 std::unique_ptr<Module> make_slam(bus::Bus& bus, const PipelineParameters& parameters, const KnownWorld& world,
                                   Threads threads) {
-  SlamModuleParameters slam = parameters.slam.value();
-  slam.filter.threads = threads.count;
-  return std::make_unique<SlamModule>(bus, slam, SlamInput{.features = parameters.ultrasonic.has_value()},
-                                      parameters.seed, world.start_in_map);
+  return std::make_unique<SlamModule>(bus, parameters.slam.value(),
+                                      SlamInput{.features = parameters.ultrasonic.has_value()}, parameters.seed,
+                                      world.start_in_map, threads.count);
 }
 
 std::unique_ptr<Module> make_mapper(bus::Bus& bus, const PipelineParameters& parameters, const KnownWorld& world,

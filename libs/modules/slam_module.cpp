@@ -9,8 +9,11 @@
 namespace noctule::modules {
 
 SlamModule::SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, const SlamInput& input,
-                       std::uint64_t seed, const Pose2& start)
-    : Module(bus, name::kSlam), parameters_(parameters), input_(input), filter_(parameters.filter, seed, start) {
+                       std::uint64_t seed, const Pose2& start, int threads)
+    : Module(bus, name::kSlam),
+      parameters_(parameters),
+      input_(input),
+      filter_(filters::make_slam_filter(parameters.filter, seed, start, threads)) {
   listen<odometry>(bus::channel::kOdometry, [this](const Odometry& o) { take(o); });
   listen<landmark_detections>(bus::channel::kLandmarkDetections, [this](const LandmarkDetections& d) { take(d); });
   listen<ultrasonic_scan>(bus::channel::kUltrasonicScan, [this](const UltrasonicScan& scan) { take(scan); });
@@ -59,17 +62,17 @@ void SlamModule::process_waiting(const ContourFeatures* features) {
 }
 
 void SlamModule::process(const Input& input, const ContourFeatures& features) {
-  if (const auto* motion = std::get_if<Odometry>(&input)) return filter_.predict(*motion);
-  if (const auto* scan = std::get_if<UltrasonicScan>(&input)) filter_.update(*scan, features);
-  if (const auto* detections = std::get_if<LandmarkDetections>(&input)) filter_.update(*detections);
+  if (const auto* motion = std::get_if<Odometry>(&input)) return filter_->predict(*motion);
+  if (const auto* scan = std::get_if<UltrasonicScan>(&input)) filter_->update(*scan, features);
+  if (const auto* detections = std::get_if<LandmarkDetections>(&input)) filter_->update(*detections);
   publish_estimate();
 }
 
 void SlamModule::publish_estimate() {
-  const SlamEstimate estimate = filter_.estimate();
+  const SlamEstimate estimate = filter_->estimate();
   publish(bus::channel::kSlamEstimate, estimate);
   if (parameters_.particles_shown > 0) {
-    publish(bus::channel::kSlamParticles, filter_.particles(parameters_.particles_shown));
+    publish(bus::channel::kSlamParticles, filter_->particles(parameters_.particles_shown));
   }
   const std::int64_t utime = estimate.stamp.utime;
   if (!map_utime_) map_utime_ = utime;
@@ -79,11 +82,11 @@ void SlamModule::publish_estimate() {
 }
 
 void SlamModule::publish_map() {
-  if (filter_.collapses() > 0) {
-    warn("the likelihood of all particles vanished " + std::to_string(filter_.collapses()) + " times");
+  if (filter_->collapses() > 0) {
+    warn("the likelihood of all particles vanished " + std::to_string(filter_->collapses()) + " times");
   }
-  publish(bus::channel::kSlamMap, filter_.map());
-  publish(bus::channel::kSlamPath, filter_.path());
+  publish(bus::channel::kSlamMap, filter_->map());
+  publish(bus::channel::kSlamPath, filter_->path());
 }
 
 void SlamModule::on_finish() {

@@ -1,22 +1,23 @@
 #pragma once
 #include <deque>
+#include <memory>
 #include <optional>
 #include <variant>
 
-#include "filters/slam/particle_slam.hpp"
+#include "filters/slam/make_slam_filter.hpp"
 #include "modules/module.hpp"
 
 namespace noctule::modules {
 
 struct SlamModuleParameters {
-  filters::ParticleSlamParameters filter;
+  filters::SlamFilterParameters filter;
   double map_period = 5.0;
   int particles_shown = 200;
 
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = SlamModuleParameters;
-    v.group("filter", &P::filter, "the particle filter");
+    v.one_of("filter", &P::filter, filters::kSlamFilterNames, "which filter, and its parameters");
     v.field("map_period_s", &P::map_period, unit::second, "time between two maps and paths on the bus", positive());
     v.field("particles_shown", &P::particles_shown, unit::one, "most particles on the bus, for the eye",
             between(0, 1000));
@@ -36,7 +37,7 @@ struct SlamInput {
 class SlamModule : public Module {
  public:
   SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, const SlamInput& input, std::uint64_t seed,
-             const Pose2& start);
+             const Pose2& start, int threads = 1);
 
  private:
   using Input = std::variant<Odometry, UltrasonicScan, LandmarkDetections>;
@@ -51,7 +52,7 @@ class SlamModule : public Module {
 
   SlamModuleParameters parameters_;
   SlamInput input_;
-  filters::ParticleSlam filter_;
+  std::unique_ptr<filters::SlamFilter> filter_;
   std::deque<Input> waiting_;                      ///< empty, or a scan without features and what came after it
   std::optional<ContourFeatures> early_features_;  ///< overtook their scan
   std::int64_t features_due_ = 0;                  ///< number of the first scan whose features may still come

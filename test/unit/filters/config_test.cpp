@@ -44,7 +44,7 @@ class Lister {
 
 TEST(ExampleConfiguration, HoldsAllKeysAndDefaults) {
   const ParticleSlamParameters defaults;
-  std::vector<Entry> expected;
+  std::vector<Entry> expected{{"type", 0.0}};
   Lister<ParticleSlamParameters> lister(defaults, expected);
   ParticleSlamParameters::describe(lister);
 

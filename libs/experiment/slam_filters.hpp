@@ -1,0 +1,15 @@
+#pragma once
+/// SLAM filters as experiments name them.
+#include "experiment/experiment.hpp"
+#include "filters/slam/make_slam_filter.hpp"
+
+namespace noctule::experiment {
+
+/// Whether filters::make_slam_filter knows the name.
+[[nodiscard]] bool is_slam_filter(const std::string& name);
+
+/// The effective configuration of a filter whose name is one of filters::kSlamFilterNames; its `type` is that name and
+/// may be left out. \throws InputError for another type and whatever else is wrong with it
+[[nodiscard]] filters::SlamFilterParameters slam_filter_parameters(const FilterSpec& filter);
+
+}  // namespace noctule::experiment
