@@ -39,14 +39,14 @@ struct RangeInnovation {
 /// The whole innovation (range, direction) with its covariance S, 2 x 2 and written out: this is the innermost of all
 /// loops.
 template <class Hypothesis>
-struct Innovation {
+struct EchoInnovation {
   RangeInnovation<Hypothesis> range;
   double direction;
   VectorD<Hypothesis::kSize> cross;  // covariance of the parameters with the predicted direction
   double covariance, variance;       // S of range and direction, and of direction
   double determinant;
 
-  Innovation(const Hypothesis& h, const PlacedEcho& e) : range(h, e) {
+  EchoInnovation(const Hypothesis& h, const PlacedEcho& e) : range(h, e) {
     const auto& slope = range.predicted.direction_slope;
     direction = angle_between(range.predicted.direction, e.axis);
     cross = h.covariance * slope;
@@ -73,14 +73,14 @@ bool may_explain(const Hypothesis& h, const PlacedEcho& e) {
 template <class Hypothesis>
 double log_density(const Hypothesis& h, const PlacedEcho& e) {
   if (!h.in_view(e)) return -kInf;
-  const Innovation<Hypothesis> i(h, e);
+  const EchoInnovation<Hypothesis> i(h, e);
   return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
 }
 
 /// Kalman update, P -= P H' S^-1 H P: with noises as large as these the result is far from indefinite.
 template <class Hypothesis>
 double update(Hypothesis& h, const PlacedEcho& e) {
-  const Innovation<Hypothesis> i(h, e);
+  const EchoInnovation<Hypothesis> i(h, e);
   using Gain = VectorD<Hypothesis::kSize>;
   const Gain by_range = (i.variance * i.range.cross - i.covariance * i.cross) / i.determinant;
   const Gain by_direction = (i.range.variance * i.cross - i.covariance * i.range.cross) / i.determinant;
