@@ -12,10 +12,10 @@
 namespace noctule::filters {
 
 /// Which filter, and with which parameters; in files told apart by the key `type`.
-using SlamFilterParameters = std::variant<ParticleSlamParameters>;
+using SlamFilterParameters = std::variant<ParticleSlamParameters, VbParticleSlamParameters, EmParticleSlamParameters>;
 
 /// Names of the alternatives, in their order.
-inline const std::vector<std::string> kSlamFilterNames{"pf"};
+inline const std::vector<std::string> kSlamFilterNames{"pf", "vb_pf", "em_pf"};
 
 /// \param start pose of the base in the map at the first observation, taken as certain
 /// \param threads most threads to use; no result depends on it

@@ -30,10 +30,14 @@ ParticleSlam::ParticleSlam(const ParticleSlamParameters& parameters, std::uint64
     : parameters_(parameters),
       seed_(seed),
       resampler_(particle::make_resampler(parameters.resampling)),
+      noise_(parameters.noise),
       poses_(checked_size(parameters, start), start),
       maps_(poses_.size()),
       weights_(poses_.size()),
       paths_(poses_.size()) {
+  if (parameters.smooth_path == SmoothPath::all) {
+    smoother_.emplace(parameters.path_smoother, parameters.echo, parameters.contour_landmarks.point_radius_sd, start);
+  }
   estimate_.pose = start;
   estimate_.particles = estimate_.distinct_particles = estimate_.distinct_ancestors = parameters.particles;
   estimate_.effective_sample_size = parameters.particles;
@@ -51,11 +55,21 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   last_scan_ = scan.stamp.seq;
 
   move_particles();
-  const ContourObservation observation(scan, features, stop_, next_id_, parameters_);
+  const auto echoes = static_cast<std::size_t>(
+      std::ranges::count(scan.beams, Echo::hit, [](const UltrasonicBeam& beam) { return beam.echo; }));
+  noise_.begin(echoes);
+  const ContourObservation observation(scan, features, stop_, next_id_, parameters_,
+                                       noise_.adapts() ? &noise_.mixture() : nullptr);
   next_id_ -= static_cast<std::int64_t>(features.features.size());
-  observe(scan.stamp, [&](const Pose2& base, Map& map, std::vector<char>& scratch) {
-    return observation.apply(base, map.contours, scratch);
-  });
+  const std::size_t kept = noise_.adapts() ? echoes : 0;
+  residuals_.resize(kept * poses_.size());
+  observe(
+      scan.stamp,
+      [&](std::size_t i, std::vector<char>& scratch) {
+        return observation.apply(poses_[i], maps_[i].contours, scratch, std::span(residuals_).subspan(i * kept, kept));
+      },
+      [&](std::span<const double> weights) { learn_noise(kept, weights); });
+  if (smoother_) smoother_->add(scan, noise_.mixture());
 }
 
 void ParticleSlam::update(const LandmarkDetections& detections) {
@@ -66,9 +80,12 @@ void ParticleSlam::update(const LandmarkDetections& detections) {
   move_particles();
   const std::int64_t first_id = next_id_;
   next_id_ -= static_cast<std::int64_t>(detections.detections.size());
-  observe(detections.stamp, [&](const Pose2& base, Map& map, std::vector<char>&) {
-    return apply_sightings(detections, base, first_id, parameters_.sightings, map.points);
-  });
+  observe(
+      detections.stamp,
+      [&](std::size_t i, std::vector<char>&) {
+        return apply_sightings(detections, poses_[i], first_id, parameters_.sightings, maps_[i].points);
+      },
+      [](std::span<const double>) {});
 }
 
 void ParticleSlam::move_particles() {
@@ -82,15 +99,16 @@ void ParticleSlam::move_particles() {
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     poses_[i] = poses_[i] * sample(Rng(seed_, stream_id("particle_slam.motion"), step_, static_cast<std::uint32_t>(i)));
   }
+  if (smoother_) smoother_->add_node(motion);
   proposal_.reset();
 }
 
-template <class Apply>
-void ParticleSlam::observe(const Stamp& stamp, Apply apply) {
+template <class Apply, class Learn>
+void ParticleSlam::observe(const Stamp& stamp, Apply apply, Learn learn) {
   std::vector<ObservationFit> fits(poses_.size());
   particle::for_blocks(poses_.size(), parameters_.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<char> scratch;
-    for (std::size_t i = begin; i < end; ++i) fits[i] = apply(poses_[i], maps_[i], scratch);
+    for (std::size_t i = begin; i < end; ++i) fits[i] = apply(i, scratch);
   });
 
   std::vector<double> log_likelihoods(fits.size());
@@ -100,11 +118,36 @@ void ParticleSlam::observe(const Stamp& stamp, Apply apply) {
 
   const std::vector<double> weights = weights_.linear();
   best_ = static_cast<std::size_t>(std::ranges::max_element(weights) - weights.begin());
+  learn(weights);
   note_estimate(stamp, weights, fits);
   estimate_.resampled = estimate_.effective_sample_size < parameters_.resample_below * parameters_.particles;
   if (estimate_.resampled) resample(weights);
   estimate_.distinct_ancestors = static_cast<int>(paths_.distinct_founders());
   ++step_;
+}
+
+void ParticleSlam::learn_noise(std::size_t echoes, std::span<const double> weights) {
+  learned_.clear();
+  double noise = 0.0, heard = 0.0;
+  for (std::size_t s = 0; s < echoes; ++s) {
+    NoiseResidual<1> residual{.weight = 0.0};
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const EchoResidual& r = residuals_[i * echoes + s];
+      if (r.noise <= 0.0) continue;
+      residual.weight += weights[i];
+      residual.mean[0] += weights[i] * r.mean;
+      residual.second_moment(0, 0) += weights[i] * r.second_moment;
+      noise += weights[i] * r.noise;
+    }
+    if (residual.weight < 1e-6) continue;
+    heard += residual.weight;
+    residual.mean /= residual.weight;
+    residual.second_moment /= residual.weight;
+    learned_.push_back(residual);
+  }
+  if (learned_.empty()) return;
+  noise_.learn(learned_);
+  estimate_.noise_scale = std::sqrt(noise / heard);
 }
 
 void ParticleSlam::note_estimate(const Stamp& stamp, std::span<const double> weights,
@@ -155,10 +198,26 @@ void ParticleSlam::resample(std::span<const double> weights) {
 }
 
 PathEstimate ParticleSlam::path() const {
-  return {estimate_.stamp, paths_.history(best_)};
+  PathEstimate path{estimate_.stamp, paths_.history(best_)};
+  if (const auto smooth = smoothed()) {
+    for (std::size_t k = 0; k < path.poses.size(); ++k) path.poses[k].pose = smooth->poses[k];
+  }
+  return path;
+}
+
+std::optional<SmoothedPath> ParticleSlam::smoothed() const {
+  if (!smoother_) return std::nullopt;
+  std::vector<Pose2> poses;
+  for (const PathPose& pose : paths_.history(best_)) poses.push_back(pose.pose);
+  return smoother_->smooth(poses, filtered_map());
 }
 
 LandmarkMap ParticleSlam::map() const {
+  const auto smooth = smoothed();
+  return smooth ? smooth->map : filtered_map();
+}
+
+LandmarkMap ParticleSlam::filtered_map() const {
   LandmarkMap result{estimate_.stamp, {}};
   for (const ContourLandmark& landmark : maps_[best_].contours) result.landmarks.push_back(landmark.estimate());
   for (const PointLandmark& point : maps_[best_].points) {

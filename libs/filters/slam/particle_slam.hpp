@@ -10,10 +10,12 @@
 #include "core/estimate.hpp"
 #include "core/features.hpp"
 #include "core/observations.hpp"
+#include "filters/noise/noise_model.hpp"
 #include "filters/slam/contour_landmark.hpp"
 #include "filters/slam/contour_observation.hpp"
 #include "filters/slam/odometry_proposal.hpp"
 #include "filters/slam/parameters.hpp"
+#include "filters/slam/path_smoother.hpp"
 #include "filters/slam/sightings.hpp"
 #include "filters/slam/slam_filter.hpp"
 #include "particle/genealogy.hpp"
@@ -39,6 +41,9 @@ class ParticleSlam : public SlamFilter {
 
   [[nodiscard]] SlamEstimate estimate() const override { return estimate_; }
   [[nodiscard]] PathEstimate path() const override;
+  /// What path() and map() are taken from when `smooth_path` says so, with covariances; else nothing. Solved anew at
+  /// each call, in time linear in the length of the run.
+  [[nodiscard]] std::optional<SmoothedPath> smoothed() const;
   [[nodiscard]] LandmarkMap map() const override;
   [[nodiscard]] ParticleCloud particles(int at_most) const override;
   [[nodiscard]] std::int64_t collapses() const override { return weights_.collapses(); }
@@ -50,15 +55,22 @@ class ParticleSlam : public SlamFilter {
   };
 
   void move_particles();
-  template <class Apply>
-  void observe(const Stamp& stamp, Apply apply);
+  /// \param apply ObservationFit(particle, scratch), what the observation does to one particle
+  /// \param learn void(weights), before resampling
+  template <class Apply, class Learn>
+  void observe(const Stamp& stamp, Apply apply, Learn learn);
+  void learn_noise(std::size_t echoes, std::span<const double> weights);
   void note_estimate(const Stamp& stamp, std::span<const double> weights, std::span<const ObservationFit> fits);
   void resample(std::span<const double> weights);
+  [[nodiscard]] LandmarkMap filtered_map() const;
 
   ParticleSlamParameters parameters_;
   std::uint64_t seed_;
   std::unique_ptr<const particle::Resampler> resampler_;
   OdometryProposal proposal_;
+  NoiseModel<1> noise_;                    ///< of echo ranges, in units of the nominal sd
+  std::vector<EchoResidual> residuals_;    ///< of the present scan, all echoes of the first particle, then of the next
+  std::vector<NoiseResidual<1>> learned_;  ///< scratch
 
   // One entry per particle.
   std::vector<Pose2> poses_;
@@ -73,6 +85,7 @@ class ParticleSlam : public SlamFilter {
   int stop_ = 0;                ///< number of the present stop ...
   double way_from_stop_ = 0.0;  ///< ... and how far odometry is from where it began [m]
   std::optional<std::int64_t> last_scan_, last_detections_;
+  std::optional<PathSmoother> smoother_;
 };
 
 }  // namespace noctule::filters

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "filters/slam/parameters.hpp"
@@ -22,16 +24,30 @@ template <class Object>
 class Lister {
  public:
   Lister(const Object& object, std::vector<Entry>& entries) : object_(object), entries_(entries) {}
-  template <class T>
-  void field(const char* key, T Object::*member, Unit unit, const char*, Range) {
-    entries_.push_back({key, static_cast<double>(object_.*member) / unit.to_si});
+  template <class Class, class T>
+  void field(const char* key, T Class::*member, Unit unit, const char*, Range) {
+    double value = 0.0;  // of lists
+    if constexpr (std::is_arithmetic_v<T>) value = static_cast<double>(object_.*member) / unit.to_si;
+    entries_.push_back({key, value});
   }
-  template <class Enum>
-  void choice(const char* key, Enum Object::*, const Choices<Enum>&, const char*) {
+  template <class Class, class Enum>
+  void choice(const char* key, Enum Class::*, const Choices<Enum>&, const char*) {
     entries_.push_back({key, 0.0});
   }
-  template <class Group>
-  void group(const char* key, Group Object::*member, const char*) {
+  template <class Class, class... Alternatives>
+  void one_of(const char* key, std::variant<Alternatives...> Class::*member, const std::vector<std::string>&,
+              const char*) {
+    entries_.push_back({key, 0.0});
+    entries_.push_back({"type", 0.0});
+    std::visit(
+        [&]<class Alternative>(const Alternative& alternative) {
+          Lister<Alternative> inner(alternative, entries_);
+          Alternative::describe(inner);
+        },
+        object_.*member);
+  }
+  template <class Class, class Group>
+  void group(const char* key, Group Class::*member, const char*) {
     entries_.push_back({key, 0.0});
     Lister<Group> inner(object_.*member, entries_);
     Group::describe(inner);
@@ -42,14 +58,15 @@ class Lister {
   std::vector<Entry>& entries_;
 };
 
-TEST(ExampleConfiguration, HoldsAllKeysAndDefaults) {
-  const ParticleSlamParameters defaults;
+template <class Parameters>
+void expect_defaults_in(const std::string& name) {
+  const Parameters defaults;
   std::vector<Entry> expected{{"type", 0.0}};
-  Lister<ParticleSlamParameters> lister(defaults, expected);
-  ParticleSlamParameters::describe(lister);
+  Lister<Parameters> lister(defaults, expected);
+  Parameters::describe(lister);
 
-  std::ifstream file(NOCTULE_SOURCE_DIR "/config/filters/pf.yaml");
-  ASSERT_TRUE(file);
+  std::ifstream file(NOCTULE_SOURCE_DIR "/config/filters/" + name);
+  ASSERT_TRUE(file) << name;
   std::vector<Entry> found;
   for (std::string line; std::getline(file, line);) {
     line = line.substr(0, line.find('#'));
@@ -57,11 +74,17 @@ TEST(ExampleConfiguration, HoldsAllKeysAndDefaults) {
     if (colon == std::string::npos) continue;
     found.push_back({line.substr(first, colon - first), std::strtod(line.c_str() + colon + 1, nullptr)});
   }
-  ASSERT_EQ(found.size(), expected.size());
+  ASSERT_EQ(found.size(), expected.size()) << name;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    EXPECT_EQ(found[i].key, expected[i].key);
-    EXPECT_NEAR(found[i].value, expected[i].value, 1e-12) << found[i].key;
+    EXPECT_EQ(found[i].key, expected[i].key) << name;
+    EXPECT_NEAR(found[i].value, expected[i].value, 1e-12) << name << ": " << found[i].key;
   }
+}
+
+TEST(ExampleConfiguration, HoldsAllKeysAndDefaults) {
+  expect_defaults_in<ParticleSlamParameters>("pf.yaml");
+  expect_defaults_in<VbParticleSlamParameters>("vb_pf.yaml");
+  expect_defaults_in<EmParticleSlamParameters>("em_pf.yaml");
 }
 
 }  // namespace
