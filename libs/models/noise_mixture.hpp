@@ -64,9 +64,11 @@ class NoiseMixture {
   /// Log density of a residual whose prediction has the covariance `extra` besides (added to each scale, with the same
   /// degrees of freedom: a moment-style approximation for t components, exact for Gaussian ones).
   [[nodiscard]] double log_density(const VectorD<D>& v, const MatrixD<D>& extra = MatrixD<D>::Zero()) const {
-    double result = -std::numeric_limits<double>::infinity();
-    for (int l = 0; l < size_; ++l) result = log_add_exp(result, term(at(l), v, extra));
-    return result;
+    Terms terms;
+    const double top = fill(terms, v, extra);
+    double sum = 0.0;
+    for (int l = 0; l < size_; ++l) sum += std::exp(terms[static_cast<std::size_t>(l)] - top);
+    return top + std::log(sum);
   }
 
   /// From the component responsibilities of this residual, so that a component nobody uses inflates no gain.
@@ -109,15 +111,23 @@ class NoiseMixture {
   };
   [[nodiscard]] const Prepared& at(int l) const { return components_[static_cast<std::size_t>(l)]; }
 
-  /// Mean and covariance from precisions weighted by the components' responsibilities for v.
-  template <class Precision>
-  [[nodiscard]] Effective pooled(const VectorD<D>& v, const MatrixD<D>& extra, Precision precision_of) const {
-    std::array<double, kMaxComponents> terms{};
+  using Terms = std::array<double, kMaxComponents>;
+
+  /// Log of the weighted density of each component. \return the largest
+  double fill(Terms& terms, const VectorD<D>& v, const MatrixD<D>& extra) const {
     double top = -std::numeric_limits<double>::infinity();
     for (int l = 0; l < size_; ++l) {
       terms[static_cast<std::size_t>(l)] = term(at(l), v, extra);
       top = std::max(top, terms[static_cast<std::size_t>(l)]);
     }
+    return top;
+  }
+
+  /// Mean and covariance from precisions weighted by the components' responsibilities for v.
+  template <class Precision>
+  [[nodiscard]] Effective pooled(const VectorD<D>& v, const MatrixD<D>& extra, Precision precision_of) const {
+    Terms terms;
+    const double top = fill(terms, v, extra);
     double sum = 0.0;
     MatrixD<D> precision = MatrixD<D>::Zero();
     VectorD<D> weighted = VectorD<D>::Zero();
@@ -136,7 +146,8 @@ class NoiseMixture {
     const VectorD<D> e = v - c.mean;
     const MatrixD<D> s = c.scale + extra;
     const double distance2 = e.dot(small_inverse<D>(s) * e);
-    const double tail = c.gaussian ? -0.5 * distance2 : -c.exponent * std::log1p(distance2 * c.inverse_dof);
+    // log(1 + x), not the slower log1p: near 0 its absolute error is what matters, and that is tiny.
+    const double tail = c.gaussian ? -0.5 * distance2 : -c.exponent * std::log(1.0 + distance2 * c.inverse_dof);
     return c.log_constant - 0.5 * std::log(small_determinant<D>(s)) + tail;
   }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/log_weights.hpp"
+#include "filters/slam/directions.hpp"
 
 namespace noctule::filters {
 namespace {
@@ -16,15 +17,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Log of 1 / (2 pi), the top of a Gaussian of two numbers of unit variance.
 const double kLogTop = -std::log(kTwoPi);
-
-/// Angle from one unit vector to another [rad]. Where it is small, as nearly always, by the series of the arc sine,
-/// which is accurate to 4e-7 there and much faster than an arc tangent.
-double angle_between(const Vector2& from, const Vector2& to) {
-  const double cosine = from.dot(to), sine = from.x() * to.y() - from.y() * to.x();
-  if (cosine < 0.9) return std::atan2(sine, cosine);
-  const double s2 = sine * sine;
-  return sine * (1.0 + s2 * (1.0 / 6 + s2 * (3.0 / 40 + s2 * (5.0 / 112 + s2 * (35.0 / 1152 + s2 * 63.0 / 2816)))));
-}
 
 /// Range part of the innovation of an echo.
 template <class Hypothesis>

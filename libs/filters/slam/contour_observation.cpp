@@ -11,9 +11,9 @@ namespace {
 
 /// Squared residuals, in units of the nominal variance, from which on a learned noise makes an echo less likely than a
 /// given log density: looked up in steps of 30 %, for solving it exactly for each echo costs more than it saves.
-class Gates {
+class LearnedGates {
  public:
-  explicit Gates(const models::NoiseMixture<1>& noise) {
+  explicit LearnedGates(const models::NoiseMixture<1>& noise) {
     double gate2 = 4.0;
     for (std::size_t k = 0; k < kSteps; ++k, gate2 *= 1.3) {
       gate2_[k] = gate2;
@@ -32,7 +32,7 @@ class Gates {
   std::array<double, kSteps> gate2_, log_density_;
 };
 
-void note(const AssimilatedEcho& a, std::size_t echo, std::span<EchoResidual> residuals) {
+void note_residual(const AssimilatedEcho& a, std::size_t echo, std::span<EchoResidual> residuals) {
   if (residuals.empty()) return;
   residuals[echo] = {a.residual.mean[0], a.residual.second_moment(0, 0), a.noise};
 }
@@ -47,7 +47,7 @@ ContourObservation::ContourObservation(const UltrasonicScan& scan, const Contour
   bearing_variance_ = bearing_sd * bearing_sd;
   gate_cosine_ = std::cos(std::min(4.0 * bearing_sd, kPi));
 
-  std::optional<Gates> gates;
+  std::optional<LearnedGates> gates;
   if (noise != nullptr) gates.emplace(*noise);
   constexpr std::size_t no_echo = ~std::size_t{0};
   std::vector<std::size_t> ping_of_beam(scan.beams.size(), no_echo);
@@ -117,7 +117,7 @@ ObservationFit ContourObservation::apply(const Pose2& base, std::vector<ContourL
     const AssimilatedEcho a = best->assimilate(echo, log_clutter_, stop_, parameters_.contour_landmarks);
     fit.nis += a.nis;
     fit.degrees_of_freedom += 2;
-    note(a, i, residuals);
+    note_residual(a, i, residuals);
   }
   start_landmarks(frame, map, explained, residuals);
   return fit;
@@ -146,7 +146,7 @@ void ContourObservation::start_landmarks(const Frame& frame, std::vector<Contour
       if (explained[i] != 0) continue;
       const PlacedEcho echo = place(frame, pings_[i]);
       if (landmark.log_likelihood(echo) <= log_clutter_) continue;
-      note(landmark.assimilate(echo, log_clutter_, stop_, parameters_.contour_landmarks), i, residuals);
+      note_residual(landmark.assimilate(echo, log_clutter_, stop_, parameters_.contour_landmarks), i, residuals);
       explained[i] = 1;
     }
     map.push_back(landmark);

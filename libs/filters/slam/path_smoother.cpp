@@ -8,19 +8,13 @@
 
 #include "core/log_weights.hpp"
 #include "filters/slam/arrow_system.hpp"
+#include "filters/slam/directions.hpp"
 
 namespace noctule::filters {
 namespace {
 
-using Vector1 = VectorD<1>;
-
-/// Angle from one unit vector to another [rad].
-double angle_between(const Vector2& from, const Vector2& to) {
-  return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
-}
-
 /// A wall (rho, theta) about the origin, or a circle (x, y, radius), map frame.
-struct Landmark {
+struct SmoothedLandmark {
   LandmarkEstimate filtered;  ///< what the filter said
   bool wall;
   Vector3 mean, prior, prior_precision;
@@ -35,13 +29,13 @@ struct Landmark {
 };
 
 /// Prediction of an echo with what is needed for its Jacobians.
-struct Prediction {
+struct SmoothedEcho {
   double range;
   Vector2 direction;
   double distance;  ///< to a circle's centre; walls: infinite
 };
 
-Prediction predict(const Landmark& l, const Vector2& sensor) {
+SmoothedEcho echo_of(const SmoothedLandmark& l, const Vector2& sensor) {
   if (l.wall) return {l.mean[0] - l.normal.dot(sensor), l.normal, std::numeric_limits<double>::infinity()};
   const Vector2 d = l.mean.head<2>() - sensor;
   const double distance = std::max(d.norm(), 1e-6);
@@ -77,29 +71,30 @@ class SmoothingProblem {
     const ArrowSystem::Covariance covariance = system_.covariance();
     result.poses = state_.poses;
     result.covariances = covariance.poses;
-    for (const Landmark& l : state_.landmarks) result.map.landmarks.push_back(estimate_of(l, covariance.border));
+    for (const SmoothedLandmark& l : state_.landmarks)
+      result.map.landmarks.push_back(estimate_of(l, covariance.border));
     return result;
   }
 
  private:
   struct State {
     std::vector<Pose2> poses;
-    std::vector<Landmark> landmarks;
+    std::vector<SmoothedLandmark> landmarks;
   };
 
-  std::vector<Landmark> landmarks_of(const LandmarkMap& map) {
-    std::vector<Landmark> result;
+  std::vector<SmoothedLandmark> landmarks_of(const LandmarkMap& map) {
+    std::vector<SmoothedLandmark> result;
     border_ = 0;
     for (const LandmarkEstimate& e : map.landmarks) {
       if (e.kind == LandmarkKind::undecided) continue;
-      Landmark l{.filtered = e,
-                 .wall = e.kind == LandmarkKind::wall,
-                 .mean = e.parameters,
-                 .prior = e.parameters,
-                 // Of a landmark that no echo determines any more.
-                 .prior_precision = Vector3::Constant(1.0 / (kWidePrior * kWidePrior)),
-                 .column = border_,
-                 .normal = Vector2::UnitX()};
+      SmoothedLandmark l{.filtered = e,
+                         .wall = e.kind == LandmarkKind::wall,
+                         .mean = e.parameters,
+                         .prior = e.parameters,
+                         // Of a landmark that no echo determines any more.
+                         .prior_precision = Vector3::Constant(1.0 / (kWidePrior * kWidePrior)),
+                         .column = border_,
+                         .normal = Vector2::UnitX()};
       if (e.kind == LandmarkKind::point) l.prior_precision[2] = 1.0 / (s_.point_radius_sd_ * s_.point_radius_sd_);
       l.refresh();
       border_ += l.size();
@@ -115,7 +110,7 @@ class SmoothingProblem {
       Pose2& p = next.poses[k];
       p = {p.x + d[0], p.y + d[1], wrap(p.yaw + d[2])};
     }
-    for (Landmark& l : next.landmarks) {
+    for (SmoothedLandmark& l : next.landmarks) {
       l.mean.head(l.size()) += step.border.segment(l.column, l.size());
       l.refresh();
     }
@@ -146,7 +141,7 @@ class SmoothingProblem {
       }
       begin = node.echoes_end;
     }
-    for (const Landmark& l : state.landmarks) {
+    for (const SmoothedLandmark& l : state.landmarks) {
       const Vector3 d = l.mean - l.prior;
       cost += 0.5 * d.head(l.size()).cwiseAbs2().dot(l.prior_precision.head(l.size()));
       on_prior(l, d);
@@ -163,16 +158,16 @@ class SmoothingProblem {
     const double gate_cosine = std::cos(std::min(4.0 * node.bearing_sd, kPi));
     const double log_top = -std::log(echo.sd * node.bearing_sd * std::sqrt(kTwoPi));
     const double log_clutter = s_.echo_.log_clutter();
-    Landmark* best = nullptr;
+    SmoothedLandmark* best = nullptr;
     double log_best = log_clutter - 10.0;  // what is left out changes the likelihood by less than 1e-4
-    Prediction predicted{};
-    for (Landmark& l : state.landmarks) {
-      const Prediction p = predict(l, sensor);
+    SmoothedEcho predicted{};
+    for (SmoothedLandmark& l : state.landmarks) {
+      const SmoothedEcho p = echo_of(l, sensor);
       if (p.direction.dot(axis) < gate_cosine || p.range <= 0.0) continue;
       const double e = (echo.range - p.range) / echo.sd;
       if (std::abs(e) > 200.0) continue;
       const double bearing = angle_between(p.direction, axis) / node.bearing_sd;
-      const double log_density = noise.log_density(Vector1(e)) - 0.5 * bearing * bearing + log_top;
+      const double log_density = noise.log_density(VectorD<1>(e)) - 0.5 * bearing * bearing + log_top;
       if (log_density <= log_best) continue;
       log_best = log_density;
       best = &l;
@@ -187,16 +182,16 @@ class SmoothingProblem {
   /// Fills the system at `state`. \return the cost
   double linearise(State& state) {
     system_.set_zero();
-    for (Landmark& l : state.landmarks) l.echoes = 0;
+    for (SmoothedLandmark& l : state.landmarks) l.echoes = 0;
     return evaluate(
         state,
         [&](std::size_t k, const Pose2& from, const Vector3& error, const PathSmoother::Node& node) {
           add_motion(k, from, state.poses[k], error, node.information);
         },
-        [&](std::size_t k, Landmark& l, const Prediction& p, const Vector2& axis, const Vector2& lever,
+        [&](std::size_t k, SmoothedLandmark& l, const SmoothedEcho& p, const Vector2& axis, const Vector2& lever,
             const PathSmoother::SensedEcho& echo, const PathSmoother::Node& node,
             double probability) { add_echo(k, l, p, axis, lever, echo, node, probability); },
-        [&](const Landmark& l, const Vector3& d) {
+        [&](const SmoothedLandmark& l, const Vector3& d) {
           for (Eigen::Index i = 0; i < l.size(); ++i) {
             system_.corner()(l.column + i, l.column + i) += l.prior_precision[i];
             system_.corner_gradient()[l.column + i] += l.prior_precision[i] * d[i];
@@ -221,11 +216,11 @@ class SmoothingProblem {
   }
 
   /// Range and direction of an echo; `probability` that it is no clutter.
-  void add_echo(std::size_t k, Landmark& l, const Prediction& p, const Vector2& axis, const Vector2& lever,
+  void add_echo(std::size_t k, SmoothedLandmark& l, const SmoothedEcho& p, const Vector2& axis, const Vector2& lever,
                 const PathSmoother::SensedEcho& echo, const PathSmoother::Node& node, double probability) {
     ++l.echoes;
     const Vector2& u = p.direction;
-    const auto noise = s_.noises_[node.noise].reweighted(Vector1((echo.range - p.range) / echo.sd));
+    const auto noise = s_.noises_[node.noise].reweighted(VectorD<1>((echo.range - p.range) / echo.sd));
     const double range_error = p.range - echo.range + noise.bias[0] * echo.sd;
     const Vector2 turned(-lever.y(), lever.x());
     // Range: predicted - heard. Turning the base moves the sensor by `turned`.
@@ -250,8 +245,8 @@ class SmoothingProblem {
     accumulate(k, l, by_pose, by_landmark, direction_error, probability / (node.bearing_sd * node.bearing_sd));
   }
 
-  void accumulate(std::size_t k, const Landmark& l, const Vector3& by_pose, const Vector3& by_landmark, double error,
-                  double precision) {
+  void accumulate(std::size_t k, const SmoothedLandmark& l, const Vector3& by_pose, const Vector3& by_landmark,
+                  double error, double precision) {
     system_.diagonal(k) += precision * by_pose * by_pose.transpose();
     system_.gradient(k) += precision * error * by_pose;
     const Eigen::Index n = l.size();
@@ -261,7 +256,7 @@ class SmoothingProblem {
     system_.corner_gradient().segment(l.column, n) += precision * error * by_landmark.head(n);
   }
 
-  [[nodiscard]] LandmarkEstimate estimate_of(const Landmark& l, const Eigen::MatrixXd& covariance) const {
+  [[nodiscard]] LandmarkEstimate estimate_of(const SmoothedLandmark& l, const Eigen::MatrixXd& covariance) const {
     LandmarkEstimate e = l.filtered;
     e.observations = l.echoes;
     e.covariance.setZero();
