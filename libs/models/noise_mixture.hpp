@@ -2,9 +2,9 @@
 /// Noise of a measurement as an estimator believes it, prepared once and asked for many residuals.
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "core/gaussian.hpp"
+#include "core/limits.hpp"
 #include "core/log_weights.hpp"
 
 namespace noctule::models {
@@ -35,7 +35,7 @@ class NoiseMixture {
     double weight = 1.0;
     VectorD<D> mean = VectorD<D>::Zero();
     MatrixD<D> scale = MatrixD<D>::Identity();  ///< of the t distribution; its covariance where that is Gaussian
-    double dof = std::numeric_limits<double>::infinity();
+    double dof = kInf;
     MatrixD<D> precision = MatrixD<D>::Identity();  ///< expected inverse covariance: what gains are made of
   };
 
@@ -90,7 +90,7 @@ class NoiseMixture {
   /// An upper bound of log_density(v, extra) over all `extra` and all v with v'v >= distance2 (largest eigenvalue of
   /// extra + 1); falls with `distance2`. One number only.
   [[nodiscard]] double log_density_bound(double distance2) const requires(D == 1) {
-    double result = -std::numeric_limits<double>::infinity();
+    double result = -kInf;
     for (int l = 0; l < size_; ++l) {
       const Prepared& c = at(l);
       const double scale = c.scale(0, 0), shift = std::abs(c.mean[0]);
@@ -115,7 +115,7 @@ class NoiseMixture {
 
   /// Log of the weighted density of each component. \return the largest
   double fill(Terms& terms, const VectorD<D>& v, const MatrixD<D>& extra) const {
-    double top = -std::numeric_limits<double>::infinity();
+    double top = -kInf;
     for (int l = 0; l < size_; ++l) {
       terms[static_cast<std::size_t>(l)] = term(at(l), v, extra);
       top = std::max(top, terms[static_cast<std::size_t>(l)]);

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
+
+#include "core/limits.hpp"
 
 namespace noctule::filters {
 namespace {
@@ -24,7 +25,7 @@ class LearnedGates {
     for (std::size_t k = 0; k < kSteps; ++k) {
       if (log_density_[k] <= log_density) return gate2_[k];
     }
-    return std::numeric_limits<double>::infinity();
+    return kInf;
   }
 
  private:

@@ -3,9 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "core/limits.hpp"
 #include "core/log_weights.hpp"
 #include "filters/slam/arrow_system.hpp"
 #include "filters/slam/directions.hpp"
@@ -36,7 +36,7 @@ struct SmoothedEcho {
 };
 
 SmoothedEcho echo_of(const SmoothedLandmark& l, const Vector2& sensor) {
-  if (l.wall) return {l.mean[0] - l.normal.dot(sensor), l.normal, std::numeric_limits<double>::infinity()};
+  if (l.wall) return {l.mean[0] - l.normal.dot(sensor), l.normal, kInf};
   const Vector2 d = l.mean.head<2>() - sensor;
   const double distance = std::max(d.norm(), 1e-6);
   return {distance - l.mean[2], d / distance, distance};
