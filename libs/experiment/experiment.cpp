@@ -8,6 +8,8 @@
 #include "core/error.hpp"
 #include "experiment/contour_room.hpp"
 #include "experiment/csv.hpp"
+#include "experiment/recorded_landmarks.hpp"
+#include "experiment/rfs_scene.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -61,7 +63,10 @@ std::string Experiment::validate() const {
 
 std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "contour_room") return std::make_unique<ContourRoom>(spec);
-  throw InputError("scenario '" + spec.name + "': kind: expected contour_room, got '" + spec.kind + "'");
+  if (spec.kind == "recorded_landmarks") return std::make_unique<RecordedLandmarks>(spec);
+  if (spec.kind == "rfs_scene") return std::make_unique<RfsScene>(spec);
+  throw InputError("scenario '" + spec.name + "': kind: expected contour_room, recorded_landmarks or rfs_scene, got '" +
+                   spec.kind + "'");
 }
 
 std::vector<FilterSpec> expand(std::span<const FilterSpec> families) {
