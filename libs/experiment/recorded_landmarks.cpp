@@ -24,7 +24,8 @@ const std::filesystem::path& folder_of(const RecordedLandmarksParameters& p) {
   return std::visit([](const auto& source) -> const std::filesystem::path& { return source.path; }, p.source);
 }
 
-std::unique_ptr<ObservationSource> open(const datasets::MrclamParameters& p) {
+std::unique_ptr<ObservationSource> open(datasets::MrclamParameters p) {
+  p.known_ids = true;  // for the limits; filters do not see them unless the experiment says so
   return std::make_unique<datasets::Mrclam>(p);
 }
 std::unique_ptr<ObservationSource> open(const datasets::VictoriaParkParameters& p) {
@@ -91,14 +92,20 @@ std::vector<eval::TimedPose> follow(const Stream& stream, double sampling, Predi
   return trajectory;
 }
 
+LandmarkDetections without_ids(LandmarkDetections message) {
+  for (LandmarkDetection& d : message.detections) d.id = -1;
+  return message;
+}
+
 template <class Stream>
-Outcome run_slam(const Stream& stream, double sampling, const filters::SlamFilterParameters& p, std::uint64_t seed) {
+Outcome run_slam(const Stream& stream, double sampling, bool known_ids, const filters::SlamFilterParameters& p,
+                 std::uint64_t seed) {
   const auto slam = filters::make_slam_filter(p, seed, stream.world.start_in_map);
   Outcome outcome;
   outcome.trajectory = follow(
       stream, sampling, [&](const Odometry& o) { slam->predict(o); },
       [&](const LandmarkDetections& d) {
-        slam->update(d);
+        slam->update(known_ids ? d : without_ids(d));
         const SlamEstimate estimate = slam->estimate();
         if (estimate.nis > 0.0) outcome.nis.push_back(estimate.nis);
         return estimate.pose;
@@ -226,8 +233,9 @@ const RecordedLandmarks::Stream& RecordedLandmarks::stream() const {
 std::vector<std::string> RecordedLandmarks::filters() const {
   std::vector<std::string> names = filters::kSlamFilterNames;
   names.emplace_back(kDeadReckoning);
-  if (std::holds_alternative<datasets::MrclamParameters>(parameters_.source)) names.emplace_back(kKnownMap);
-  if (known_ids_) names.emplace_back(kSmoother);
+  if (std::holds_alternative<datasets::MrclamParameters>(parameters_.source)) {
+    names.insert(names.end(), {kKnownMap, kSmoother});
+  }
   return names;
 }
 
@@ -258,7 +266,7 @@ FilterRun RecordedLandmarks::run_one(std::uint64_t seed, const FilterSpec& spec)
   } else if (spec.name == kSmoother) {
     outcome = smooth(data, sampling, config::load<smoothing::LandmarkSmootherParameters>(effective_config(spec)));
   } else {
-    outcome = run_slam(data, sampling, slam_filter_parameters(spec), seed);
+    outcome = run_slam(data, sampling, known_ids_, slam_filter_parameters(spec), seed);
   }
   const double cpu = cpu_seconds() - begin;
 
@@ -278,9 +286,10 @@ FilterRun RecordedLandmarks::run_one(std::uint64_t seed, const FilterSpec& spec)
     run.figures.push_back({"landmarks", static_cast<double>(outcome.map.landmarks.size()), "1"});
   }
   if (!outcome.map.landmarks.empty() && !data.world.landmarks.empty()) {
-    const eval::LandmarkErrors landmarks = eval::landmark_errors(
-        moved(alignment, outcome.map), data.world.landmarks,
-        {.gate = parameters_.landmark_gate, .known_ids = known_ids_, .alignment = eval::Alignment::rigid});
+    const eval::LandmarkErrors landmarks = eval::landmark_errors(moved(alignment, outcome.map), data.world.landmarks,
+                                                                 {.gate = parameters_.landmark_gate,
+                                                                  .known_ids = known_ids_ || spec.name == kSmoother,
+                                                                  .alignment = eval::Alignment::rigid});
     run.figures.push_back({"landmark_rmse", landmarks.rmse, "m"});
     run.figures.push_back({"landmarks_found", static_cast<double>(landmarks.found), "1"});
     run.figures.push_back({"landmarks_missed", static_cast<double>(landmarks.missed), "1"});

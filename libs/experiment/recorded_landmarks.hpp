@@ -31,13 +31,14 @@ struct RecordedLandmarksParameters {
   }
 };
 
-/// Filters: every SLAM filter, `dead_reckoning`, and as limits `known_map` (localisation on the true landmarks, where
-/// they are known) and `smoother` (where sightings name their landmark); these three use no seed. The trajectory that
-/// is judged is the estimate at each message of sightings, carried on by odometry in between; the smoother's is its
-/// final path. `position_rmse`, `position_max` and `heading_rmse` are taken after an SE(2) alignment of the positions
-/// over the span of the truth, `position_rmse_unaligned` as the trajectory lies. Where truth is position fixes, poses
-/// are interpolated at their times and there is no heading. Landmarks are moved along with the trajectory, paired by id
-/// or, where sightings have none, by distance, and aligned once more among themselves.
+/// Filters: every SLAM filter, `dead_reckoning`, and, where the landmarks are known, the limits `known_map`
+/// (localisation on the true landmarks) and `smoother`; both limits know the landmarks' identities even where the
+/// filters are not told. The last three use no seed. The trajectory that is judged is the estimate at each message of
+/// sightings, carried on by odometry in between; the smoother's is its final path. `position_rmse`, `position_max` and
+/// `heading_rmse` are taken after an SE(2) alignment of the positions over the span of the truth,
+/// `position_rmse_unaligned` as the trajectory lies. Where truth is position fixes, poses are interpolated at their
+/// times and there is no heading. Landmarks are moved along with the trajectory, paired by id or, where sightings have
+/// none, by distance, and aligned once more among themselves.
 class RecordedLandmarks : public Scenario {
  public:
   /// \throws InputError where the recording's folder is not there
