@@ -1,8 +1,10 @@
 /// Estimates systematic and random errors of a recorded robot's odometry and sightings where its truth is known.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <sstream>
 
 #include "apps/common/command_line.hpp"
 #include "core/error.hpp"
@@ -40,11 +42,31 @@ std::string yaml(const eval::SensorCalibration& c, const std::string& from) {
          line("range_bias_m", c.range_bias.value, plus_minus(c.range_bias)) + "odometry_noise:\n" +
          line("  along_m_per_sqrt_m", c.along, "") + line("  drift_deg_per_sqrt_m", degrees(c.drift), "") +
          line("  turn_deg_per_sqrt_rad", degrees(c.turn), "") + "range_noise:\n" +
-         line("  base_cm", 100.0 * c.range_base, "") + line("  relative", c.range_relative, "") +
+         line("  base_cm", std::max(0.1, 100.0 * c.range_base), "") + line("  relative", c.range_relative, "") +
          line("bearing_sd_deg", degrees(c.bearing_sd), "");
 }
 
-int run(const apps::CommandLine& command, const std::string& out, double window) {
+/// "2,3,5"; empty: the robot of the file.
+std::vector<int> parse_robots(const std::string& text, int robot) {
+  if (text.empty()) return {robot};
+  std::vector<int> robots;
+  std::istringstream in(text);
+  for (std::string number; std::getline(in, number, ',');) {
+    const double value = apps::parse_option("--robots", number, 1.0);
+    if (value > 5.0 || value != std::floor(value))
+      throw InputError("--robots: expected numbers 1 to 5, got '" + text + "'");
+    robots.push_back(static_cast<int>(value));
+  }
+  return robots;
+}
+
+std::string joined(const std::vector<int>& robots) {
+  std::string text = robots.size() == 1 ? "robot " : "robots ";
+  for (std::size_t i = 0; i < robots.size(); ++i) text += (i == 0 ? "" : ", ") + std::to_string(robots[i]);
+  return text;
+}
+
+int run(const apps::CommandLine& command, const std::string& out, const std::string& robots_text, double window) {
   const modules::PipelineParameters parameters = apps::load_pipeline(command);
   const auto* source = std::get_if<datasets::MrclamParameters>(&parameters.source);
   if (source == nullptr) {
@@ -54,18 +76,24 @@ int run(const apps::CommandLine& command, const std::string& out, double window)
   plain.speed_scale = plain.turn_scale = plain.range_scale = 1.0;
   plain.range_bias = 0.0;
   plain.known_ids = true;
-  datasets::Mrclam recording(plain);
-  std::vector<Observation> observations;
-  while (auto observation = recording.next()) observations.push_back(std::move(*observation));
-  const eval::SensorCalibration c =
-      eval::calibrate_sensors(observations, recording.world().landmarks, {.window = window});
+  const std::vector<int> robots = parse_robots(robots_text, plain.robot);
+  std::vector<std::vector<Observation>> runs;
+  std::vector<KnownLandmark> landmarks;
+  for (const int robot : robots) {
+    plain.robot = robot;
+    datasets::Mrclam recording(plain);
+    runs.emplace_back();
+    while (auto observation = recording.next()) runs.back().push_back(std::move(*observation));
+    landmarks = recording.world().landmarks;
+  }
+  const eval::SensorCalibration c = eval::calibrate_sensors(runs, landmarks, {.window = window});
   for (const double value : {c.distance_scale.value, c.turn_scale.value, c.range_scale.value}) {
     if (!std::isfinite(value)) {
       throw InputError(plain.path.string() + ": expected true poses, motion and sightings of known landmarks, got " +
                        std::to_string(c.windows) + " windows and " + std::to_string(c.sightings) + " sightings");
     }
   }
-  const std::string text = yaml(c, plain.path.filename().string() + ", robot " + std::to_string(plain.robot));
+  const std::string text = yaml(c, plain.path.filename().string() + ", " + joined(robots));
   if (out == "-") {
     std::cout << text;
   } else {
@@ -77,14 +105,17 @@ int run(const apps::CommandLine& command, const std::string& out, double window)
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string out = "-", window = "2";
+  std::string out = "-", robots, window = "2";
   const apps::Program program{
       .name = "noctule-calibrate",
       .description =
           "Estimates scales, biases and noise of a recorded robot's odometry and sightings from its truth, "
           "as keys of a pipeline file's source (source: {file: CALIBRATION, ...}).",
-      .options = {{"--out", &out, "file to write; -: the terminal"},
-                  {"--window", &window, "seconds of motion that make one equation"}}};
+      .options = {
+          {"--out", &out, "file to write; -: the terminal"},
+          {"--robots", &robots, "robots of the data set to estimate from together, 2,3,4 (default: the file's)"},
+          {"--window", &window, "seconds of motion that make one equation"}}};
   const apps::CommandLine line = apps::parse_command_line(argc, argv, program);
-  return apps::run_guarded(program.name, [&] { return run(line, out, apps::parse_option("--window", window, 0.1)); });
+  return apps::run_guarded(program.name,
+                           [&] { return run(line, out, robots, apps::parse_option("--window", window, 0.1)); });
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// What is wrong with a robot's odometry and sightings, systematically and by chance, estimated where truth is known.
 #include <span>
+#include <vector>
 
 #include "core/angles.hpp"
 #include "core/source.hpp"
@@ -41,9 +42,9 @@ struct SensorCalibration {
 /// Least squares over windows of motion and over the sightings of known landmarks, each once more without its outliers.
 /// Distances are compared along the true headings, turns by their sums, so that both are linear in their scale;
 /// standard deviations of estimates come from the residuals, taken as independent. What there is no data for is NaN.
-/// \param observations of one robot in order of time, with GROUND_TRUTH; sightings carry ids
+/// \param runs of one kind of robot, each in order of time, with GroundTruth; sightings carry ids
 /// \throws std::invalid_argument for parameters that are not positive
-[[nodiscard]] SensorCalibration calibrate_sensors(std::span<const Observation> observations,
+[[nodiscard]] SensorCalibration calibrate_sensors(std::span<const std::vector<Observation>> runs,
                                                   std::span<const KnownLandmark> landmarks,
                                                   const SensorCalibrationParameters& = {});
 

@@ -43,9 +43,10 @@ std::vector<LandmarkDetection> find_trunks(const RangeFan& fan, const TrunkParam
     LandmarkDetection trunk;
     trunk.range = distance;
     trunk.bearing = wrap(fan.first_bearing + 0.5 * static_cast<double>(begin + end - 1) * fan.step);
-    // Half the sum and half the difference of two edges, each uniform in one step.
+    // Half the sum and half the difference of two edges, each uniform in one step. An edge beam that just hits changes
+    // the radius, and grazing the trunk at its full depth, the mean range as well.
     const double edge_variance = fan.step * fan.step / 24.0;
-    const double by_beta = part * std::cos(beta) * distance / (1.0 - part * std::sin(beta));
+    const double by_beta = part * distance * (std::cos(beta) / (1.0 - part * std::sin(beta)) + std::sin(beta) / beta);
     trunk.covariance << p.range_sd * p.range_sd + by_beta * by_beta * edge_variance, 0.0, 0.0,
         p.bearing_sd * p.bearing_sd + edge_variance;
     trunks.push_back(trunk);

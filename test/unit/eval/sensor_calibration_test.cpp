@@ -29,8 +29,9 @@ struct Robot {
       pose = pose * step;
       const double said_way = (way + rng.normal(0.0, along * std::sqrt(way))) / distance_scale;
       const double said_bend = (bend + rng.normal(0.0, turn * std::sqrt(std::abs(bend)))) / turn_scale;
-      out.emplace_back(Odometry{
-          {utime, 0}, {said_way * std::cos(0.5 * said_bend), said_way * std::sin(0.5 * said_bend), said_bend}, {}});
+      out.emplace_back(Odometry{{utime, 0},
+                                {said_way * std::cos(0.5 * said_bend), said_way * std::sin(0.5 * said_bend), said_bend},
+                                Matrix3::Zero()});
       out.emplace_back(GroundTruth{{utime, 0}, pose});
       if (k % 10 != 0) continue;
       LandmarkDetections message{{utime, 0}, {}, {}};
@@ -50,9 +51,22 @@ struct Robot {
   }
 };
 
+SensorCalibration calibrate(const Robot& robot, const std::vector<std::vector<Observation>>& runs) {
+  return calibrate_sensors(runs, robot.landmarks);
+}
+
+TEST(SensorCalibration, TwoRunsSayMoreThanOne) {
+  Robot robot;
+  robot.along = robot.turn = robot.range_sd = robot.bearing_sd = 0.05;
+  const SensorCalibration one = calibrate(robot, {robot.drive(1)}),
+                          two = calibrate(robot, {robot.drive(1), robot.drive(2)});
+  EXPECT_NEAR(two.turn_scale.sd, one.turn_scale.sd / std::sqrt(2.0), 0.2 * one.turn_scale.sd);
+  EXPECT_NEAR(two.range_bias.sd, one.range_bias.sd / std::sqrt(2.0), 0.2 * one.range_bias.sd);
+}
+
 TEST(SensorCalibration, RecoversExactScales) {
   const Robot robot;
-  const SensorCalibration c = calibrate_sensors(robot.drive(1), robot.landmarks);
+  const SensorCalibration c = calibrate(robot, {robot.drive(1)});
   EXPECT_NEAR(c.distance_scale.value, 1.04, 1e-4);
   EXPECT_NEAR(c.turn_scale.value, 0.9, 1e-6);
   EXPECT_NEAR(c.range_scale.value, 1.02, 1e-9);
@@ -69,7 +83,7 @@ TEST(SensorCalibration, StatesItsErrorsAndTheNoiseThatRemains) {
   robot.bearing_sd = 0.02;
   double squares = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const SensorCalibration c = calibrate_sensors(robot.drive(seed), robot.landmarks);
+    const SensorCalibration c = calibrate(robot, {robot.drive(seed)});
     const auto square = [](const Estimated& e, double truth) { return std::pow((e.value - truth) / e.sd, 2.0); };
     squares += square(c.distance_scale, 1.04) + square(c.turn_scale, 0.9) + square(c.range_bias, 0.05) +
                square(c.bearing_bias, 0.0);
@@ -86,7 +100,7 @@ TEST(SensorCalibration, LeavesOutGrossErrors) {
   Robot robot;
   robot.range_sd = 0.1;
   robot.outliers_every = 20;
-  const SensorCalibration c = calibrate_sensors(robot.drive(1), robot.landmarks);
+  const SensorCalibration c = calibrate(robot, {robot.drive(1)});
   EXPECT_NEAR(c.range_bias.value, 0.05, 5.0 * c.range_bias.sd);
   EXPECT_GE(c.outliers, 80);
 }
@@ -95,7 +109,7 @@ TEST(SensorCalibration, WithoutTruthThereIsNothing) {
   const Robot robot;
   std::vector<Observation> observations = robot.drive(1);
   std::erase_if(observations, [](const Observation& o) { return std::holds_alternative<GroundTruth>(o); });
-  const SensorCalibration c = calibrate_sensors(observations, robot.landmarks);
+  const SensorCalibration c = calibrate(robot, {observations});
   EXPECT_TRUE(std::isnan(c.distance_scale.value));
   EXPECT_TRUE(std::isnan(c.range_scale.value));
   EXPECT_EQ(c.windows + c.sightings, 0);

@@ -72,6 +72,7 @@ TEST(Trunks, TheirPlacesAreUnbiasedAndTheirSpreadIsWhatTheSpacingOfTheBeamsDoes)
   EXPECT_GT(bearing_variance / n, 0.5 * square(bearing));
   EXPECT_LT(bearing_variance / n, 2.0 * square(bearing));
   EXPECT_GT(range_variance / n, 0.5 * square(range));
+  EXPECT_LT(range_variance / n, 2.0 * square(range));
 }
 
 TEST(Trunks, WallsHiddenThingsAndCutOnesAreNone) {
