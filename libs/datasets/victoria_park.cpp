@@ -131,7 +131,7 @@ Scans read_extracted(const VictoriaParkParameters& p, Recording& recording) {
     for (int i = 0; i < static_cast<int>(kSlots); ++i) {
       LandmarkDetection tree;
       tree.range = ranges.at_least(0.0, row, i);
-      if (tree.range == 0.0) continue;
+      if (tree.range == 0.0 || tree.range > p.trunks.max_range) continue;
       tree.bearing = wrap(bearings(row, i) - 0.5 * kPi);  // counted from the right
       const double sd = p.extracted_range_noise.sd(tree.range);
       tree.covariance << sd * sd, 0.0, 0.0, p.extracted_bearing_sd * p.extracted_bearing_sd;

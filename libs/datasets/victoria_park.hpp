@@ -27,9 +27,11 @@ struct VictoriaParkParameters {
   Pose2 laser_in_base{3.78, 0.5, 0.0};  ///< base_link is the centre of the rear axle
   /// Sum of what white noise and slow errors of the steering do within some ten seconds.
   models::OdometryRandomWalk odometry_noise{.along = 0.07, .drift = radians(0.5), .turn = radians(3.0)};
+  /// Standard deviations twice as large as innovations bear out: what a filter gets wrong in one scan, it meets again
+  /// in the next.
   models::TrunkParameters trunks;
-  models::RangeNoise extracted_range_noise{.base = 0.3, .relative = 0.0};
-  double extracted_bearing_sd = radians(0.7);  ///< [rad]
+  models::RangeNoise extracted_range_noise{.base = 0.6, .relative = 0.0};
+  double extracted_bearing_sd = radians(1.2);  ///< [rad]
   FixFilterParameters fixes;
 
   template <class Visitor>
@@ -42,7 +44,7 @@ struct VictoriaParkParameters {
     v.field("encoder_left_m", &P::encoder_left, unit::metre, "left rear wheel, from the centre of the axle");
     v.field("laser_in_base", &P::laser_in_base, unit::metre_degree, "scanner, from the centre of the rear axle");
     v.group("odometry_noise", &P::odometry_noise, "stated covariance of encoder and steering");
-    v.group("trunks", &P::trunks, "how trees are found in the raw scans");
+    v.group("trunks", &P::trunks, "how trees are found in the raw scans; max_range_m also holds for extracted ones");
     v.group("extracted_range_noise", &P::extracted_range_noise, "stated sd of the range of an extracted tree");
     v.field("extracted_bearing_sd_deg", &P::extracted_bearing_sd, unit::degree, "stated sd of its bearing", positive());
     v.group("fixes", &P::fixes, "which GPS fixes are believed");

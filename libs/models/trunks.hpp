@@ -9,13 +9,13 @@
 namespace noctule::models {
 
 struct TrunkParameters {
-  double max_range = 45.0;           ///< [m] of the trunk's front
+  double max_range = 30.0;           ///< [m] of the trunk's front
   double max_diameter = 1.0;         ///< [m]
   int min_beams = 2;                 ///< that hit it
   double split = 0.5;                ///< [m] neighbouring ranges that differ by more hit different things
   double clearance = 2.0;            ///< [m] what is seen on both sides lies farther back by this
-  double range_sd = 0.3;             ///< [m] of the distance of the centre, beside what the beam's width does to it
-  double bearing_sd = radians(0.6);  ///< [rad] likewise
+  double range_sd = 0.6;             ///< [m] of the distance of the centre, beside what the beam's width does to it
+  double bearing_sd = radians(1.2);  ///< [rad] likewise
 
   template <class Visitor>
   static void describe(Visitor& v) {
