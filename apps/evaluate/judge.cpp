@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include "config/config.hpp"
@@ -15,6 +13,7 @@
 #include "eval/number_text.hpp"
 #include "eval/set_distance.hpp"
 #include "eval/tum.hpp"
+#include "report/files.hpp"
 #include "sim/room_geometry.hpp"
 #include "sim/world.hpp"
 
@@ -24,15 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 using Metrics = std::vector<eval::Metric>;
 
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in || fs::is_directory(file)) throw InputError(file.string() + ": expected a readable file, got none");
-  return text;
-}
-
 std::vector<eval::TimedPose3> read_tum(const fs::path& file) {
-  return eval::parse_tum(read_text(file), file.string());
+  return eval::parse_tum(report::read_file(file), file.string());
 }
 
 /// Both or none. \throws InputError naming what is missing
@@ -126,7 +118,7 @@ std::vector<eval::PosePair3> pairs_of(const EvaluationFiles& files, const Evalua
                 : eval::associate_interpolated(estimate, truth, options.max_gap);
   } else {
     std::vector<eval::TimedPose3> fixes;
-    for (const KnownPosition& f : eval::parse_fixes(read_text(files.fixes), files.fixes.string())) {
+    for (const KnownPosition& f : eval::parse_fixes(report::read_file(files.fixes), files.fixes.string())) {
       fixes.push_back({f.utime, {{f.position.x(), f.position.y(), 0.0}, Eigen::Quaterniond::Identity()}});
     }
     // The estimate is what is dense: it is interpolated at the fixes.
@@ -142,8 +134,8 @@ std::vector<eval::PosePair3> pairs_of(const EvaluationFiles& files, const Evalua
 }
 
 void add_landmarks(const EvaluationFiles& files, const EvaluationOptions& options, Metrics& metrics) {
-  const auto estimated = eval::parse_landmarks(read_text(files.landmarks), files.landmarks.string());
-  const auto known = eval::parse_landmarks(read_text(files.known_landmarks), files.known_landmarks.string());
+  const auto estimated = eval::parse_landmarks(report::read_file(files.landmarks), files.landmarks.string());
+  const auto known = eval::parse_landmarks(report::read_file(files.known_landmarks), files.known_landmarks.string());
   std::set<std::int64_t> ids;
   for (const KnownLandmark& k : known) ids.insert(k.id);
   const bool shared = std::ranges::any_of(estimated, [&](const KnownLandmark& l) { return ids.contains(l.id); });
@@ -178,8 +170,8 @@ void add_landmarks(const EvaluationFiles& files, const EvaluationOptions& option
 
 Room read_room(const fs::path& walls, const fs::path& cylinders) {
   Room room;
-  if (!walls.empty()) room.walls = eval::parse_walls(read_text(walls), walls.string());
-  if (!cylinders.empty()) room.cylinders = eval::parse_cylinders(read_text(cylinders), cylinders.string());
+  if (!walls.empty()) room.walls = eval::parse_walls(report::read_file(walls), walls.string());
+  if (!cylinders.empty()) room.cylinders = eval::parse_cylinders(report::read_file(cylinders), cylinders.string());
   return room;
 }
 

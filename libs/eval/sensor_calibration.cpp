@@ -7,12 +7,12 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "core/limits.hpp"
 #include "eval/statistics.hpp"
 
 namespace noctule::eval {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPasses = 5;  // of estimates by the noise, and of the noise by what they leave
 
 /// Equations y = A x + e.
@@ -90,7 +90,7 @@ Vector2 fit_positive(const Eigen::MatrixXd& unscaled_a, const Eigen::VectorXd& u
   const Eigen::VectorXd x = solve(a, y, used, inverse);
   if (x.allFinite() && x.minCoeff() >= 0.0) return x;
   Vector2 best = Vector2::Zero();
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInf;
   for (int c = 0; c < 2; ++c) {  // on the boundary
     Vector2 candidate = Vector2::Zero();
     candidate[c] = std::max(0.0, solve(a.col(c), y, used, inverse)[0]);
@@ -107,7 +107,7 @@ Vector2 fit_positive(const Eigen::MatrixXd& unscaled_a, const Eigen::VectorXd& u
 }
 
 /// One window of motion.
-struct Window {
+struct MotionWindow {
   Vector2 way = Vector2::Zero();    ///< odometry's steps, each along the true heading
   Vector2 truth = Vector2::Zero();  ///< true displacement
   double length = 0.0;              ///< by odometry
@@ -124,10 +124,10 @@ std::vector<TimedPose> truth_of(std::span<const Observation> observations) {
   return truth;
 }
 
-std::vector<Window> windows_of(std::span<const Observation> observations, std::span<const TimedPose> truth,
-                               const SensorCalibrationParameters& p) {
-  std::vector<Window> windows;
-  Window now;
+std::vector<MotionWindow> windows_of(std::span<const Observation> observations, std::span<const TimedPose> truth,
+                                     const SensorCalibrationParameters& p) {
+  std::vector<MotionWindow> windows;
+  MotionWindow now;
   std::optional<Pose2> begin, before;  // true poses
   std::int64_t begin_utime = 0;
   for (const Observation& observation : observations) {
@@ -167,12 +167,12 @@ Eigen::VectorXd stated_sds(const Eigen::VectorXd& sd) {
   return mean > 0.0 ? Eigen::VectorXd(sd.cwiseMax(0.05 * mean)) : Eigen::VectorXd(Eigen::VectorXd::Ones(sd.size()));
 }
 
-void calibrate_motion(const std::vector<Window>& windows, double outlier, SensorCalibration& c) {
+void calibrate_motion(const std::vector<MotionWindow>& windows, double outlier, SensorCalibration& c) {
   const auto n = static_cast<Eigen::Index>(windows.size());
   Eigen::MatrixXd way(n, 1), turn(n, 1), sizes(n, 2);
   Eigen::VectorXd along(n), true_turn(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Window& w = windows[static_cast<std::size_t>(i)];
+    const MotionWindow& w = windows[static_cast<std::size_t>(i)];
     const double length = w.way.norm();
     way(i, 0) = length;
     along[i] = length > 0.0 ? w.truth.dot(w.way) / length : 0.0;
@@ -261,7 +261,7 @@ SensorCalibration calibrate_sensors(std::span<const std::vector<Observation>> ru
   if (!(p.window > 0.0 && p.max_gap > 0.0 && p.outlier > 0.0)) {
     throw std::invalid_argument("calibrate_sensors: parameters must be positive");
   }
-  std::vector<Window> windows;
+  std::vector<MotionWindow> windows;
   Sightings sightings;
   for (const std::vector<Observation>& run : runs) {
     const std::vector<TimedPose> truth = truth_of(run);

@@ -6,6 +6,7 @@
 
 #include "config/config.hpp"
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "eval/trajectory.hpp"
 #include "experiment/slam_filters.hpp"
 #include "filters/localisation/ekf_localisation.hpp"
@@ -14,7 +15,6 @@
 namespace noctule::experiment {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSeriesStep = 10.0;  // [s]
 constexpr const char* kSmoother = "smoother";
 constexpr const char* kKnownMap = "known_map";

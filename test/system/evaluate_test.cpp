@@ -91,7 +91,7 @@ TEST_F(Evaluate, SaysInOneLineWhatIsWrong) {
   for (const auto& [arguments, expected] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{}, "expected an estimate and a truth"},
            {{good}, "expected a folder of results"},
-           {{good, (folder_ / "absent.tum").string()}, "absent.tum: expected a readable file"},
+           {{good, (folder_ / "absent.tum").string()}, "absent.tum: expected a file that can be read"},
            {{good, later}, "none in common"},
            {{bad, good}, "bad.tum:2"},
            {{good, good, "--rpe-steps", "1.5"}, "--rpe-steps: expected whole numbers"},
