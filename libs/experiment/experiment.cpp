@@ -9,6 +9,8 @@
 #include "experiment/contour_room.hpp"
 #include "experiment/csv.hpp"
 #include "experiment/growth_model.hpp"
+#include "experiment/recorded_landmarks.hpp"
+#include "experiment/rfs_scene.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -63,7 +65,10 @@ std::string Experiment::validate() const {
 std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "contour_room") return std::make_unique<ContourRoom>(spec);
   if (spec.kind == "growth_model") return std::make_unique<GrowthModelRuns>(spec);
-  throw InputError("scenario '" + spec.name + "': kind: expected contour_room or growth_model, got '" + spec.kind +
+  if (spec.kind == "recorded_landmarks") return std::make_unique<RecordedLandmarks>(spec);
+  if (spec.kind == "rfs_scene") return std::make_unique<RfsScene>(spec);
+  throw InputError("scenario '" + spec.name +
+                   "': kind: expected contour_room, growth_model, recorded_landmarks or rfs_scene, got '" + spec.kind +
                    "'");
 }
 
