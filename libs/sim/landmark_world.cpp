@@ -1,0 +1,164 @@
+#include "sim/landmark_world.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include "core/check.hpp"
+#include "models/motion.hpp"
+#include "models/range_bearing.hpp"
+#include "sim/landmark_map.hpp"
+#include "sim/steering.hpp"
+
+namespace noctule::sim {
+namespace {
+
+constexpr std::uint64_t kControl = stream_id("sim.control");
+constexpr std::uint64_t kMeasurement = stream_id("sim.measurement");
+constexpr std::uint64_t kOutlier = stream_id("sim.outlier");
+constexpr std::uint64_t kClutter = stream_id("sim.clutter");
+
+constexpr double kPatience = 20.0;   // a way-point is out of reach when the detour to it is this much longer ...
+constexpr double kLeastTurns = 4.0;  // ... and longer than so many full turns
+
+const LandmarkWorldParameters& sound(const LandmarkWorldParameters& p) {
+  require_sound(p, "landmark world '" + p.world.name + "'");
+  return p;
+}
+
+double turning_radius(const SteeredVehicleParameters& vehicle) {
+  return vehicle.wheelbase / std::sin(vehicle.max_steering);
+}
+
+[[noreturn]] void refuse_waypoint(const Vector2& place, const SteeredVehicleParameters& vehicle) {
+  std::ostringstream out;
+  out << "vehicle: expected steering that reaches way-point (" << place.x() << ", " << place.y()
+      << ") m, got circles past it (turning radius " << turning_radius(vehicle) << " m, wheels turned at "
+      << degrees(vehicle.steering_rate) << " deg/s, " << vehicle.speed << " m/s)";
+  throw InputError(out.str());
+}
+
+}  // namespace
+
+std::string ScatterParameters::validate() const {
+  if ((low.array() < high.array()).all()) return {};
+  return "low_m: expected both coordinates below those of high_m";
+}
+
+std::string LandmarkSensorParameters::validate() const {
+  const std::string problem = models::check_order(schedule);
+  return problem.empty() ? "" : "schedule: " + problem;
+}
+
+std::vector<ControlStep> plan_steps(const Pose2& start, const std::vector<Vector2>& waypoints, int loops,
+                                    const SteeredVehicleParameters& vehicle) {
+  const double dt = 1.0 / vehicle.control_rate;
+  std::vector<ControlStep> steps;
+  ControlStep now{start, 0.0};
+  for (int loop = 0; loop < loops; ++loop) {
+    for (const Vector2& place : waypoints) {
+      const double distance = (place - now.pose.position()).norm();
+      double patience = std::max(kPatience * distance, kLeastTurns * kTwoPi * turning_radius(vehicle));
+      while ((place - now.pose.position()).norm() >= vehicle.waypoint_radius) {
+        if (patience < 0.0) refuse_waypoint(place, vehicle);
+        now.steering = steer_towards(place, now.pose, now.steering, vehicle.max_steering, vehicle.steering_rate, dt);
+        // Composed as dead reckoning composes odometry: without noise the two are equal.
+        now.pose = now.pose * models::predict_front_axle({}, vehicle.speed, now.steering, vehicle.wheelbase, dt).pose;
+        steps.push_back(now);
+        patience -= vehicle.speed * dt;
+      }
+    }
+  }
+  return steps;
+}
+
+bool sees(const Pose2& sensor, const Vector2& place, double max_range) {
+  const Vector2 d = place - sensor.position();
+  return d.squaredNorm() < max_range * max_range && d.x() * std::cos(sensor.yaw) + d.y() * std::sin(sensor.yaw) > 0.0;
+}
+
+LandmarkWorld::LandmarkWorld(const LandmarkWorldParameters& parameters, std::uint64_t seed)
+    : vehicle_(sound(parameters).vehicle), sensor_(parameters.sensor), seed_(seed) {
+  LandmarkMapPlaces places = places_of(parameters.world);
+  known_.name = parameters.world.name;
+  known_.landmarks = std::move(places.landmarks);
+  known_.start_in_map = places.start;
+  steps_ = plan_steps(places.start, places.waypoints, parameters.world.loops, vehicle_);
+}
+
+std::optional<Observation> LandmarkWorld::next() {
+  switch (due_) {
+    case Due::odometry: {
+      if (step_ == steps_.size()) return std::nullopt;
+      const Odometry odometry = drive();
+      if (step_ % static_cast<std::size_t>(sensor_.controls_per_scan) == 0) due_ = Due::truth;
+      return odometry;
+    }
+    case Due::truth:
+      due_ = Due::sightings;
+      return GroundTruth{{utime(), scans_}, steps_[step_ - 1].pose};
+    case Due::sightings:
+      break;
+  }
+  due_ = Due::odometry;
+  return look();
+}
+
+Odometry LandmarkWorld::drive() {
+  Rng rng(seed_, kControl, step_);
+  const double speed = rng.normal(vehicle_.speed, vehicle_.speed_sd);
+  const double steering = rng.normal(steps_[step_].steering, vehicle_.steering_sd);
+  const auto motion = models::predict_front_axle({}, speed, steering, vehicle_.wheelbase, 1.0 / vehicle_.control_rate);
+  const Vector2 variances(vehicle_.speed_sd * vehicle_.speed_sd, vehicle_.steering_sd * vehicle_.steering_sd);
+  const auto seq = static_cast<std::int64_t>(step_++);
+  return {{utime(), seq}, motion.pose, motion.by_control * variances.asDiagonal() * motion.by_control.transpose()};
+}
+
+LandmarkDetections LandmarkWorld::look() {
+  const Pose2& pose = steps_[step_ - 1].pose;
+  const double progress = static_cast<double>(step_) / static_cast<double>(steps_.size());
+  const double stage = models::noise_factor(sensor_.schedule, progress);
+  const auto scan = static_cast<std::uint64_t>(scans_);
+  LandmarkDetections message{{utime(), scans_}, {}, {}};
+  for (const KnownLandmark& landmark : known_.landmarks) {
+    if (!sees(pose, landmark.position, sensor_.max_range)) continue;
+    const auto slot = static_cast<std::uint32_t>(landmark.id);
+    const bool outlier = Rng(seed_, kOutlier, scan, slot).uniform() < sensor_.outliers;
+    const double factor = stage * (outlier ? sensor_.outlier_factor : 1.0);
+    const Vector2 z = models::predict_range_bearing(pose, landmark.position).z;
+    Rng rng(seed_, kMeasurement, scan, slot);
+    const double range = rng.normal(z[0], factor * sensor_.range_sd);
+    const double bearing = rng.normal(z[1], factor * sensor_.bearing_sd);
+    if (range <= 0.0) continue;
+    message.detections.push_back(sighting(range, wrap(bearing), factor));
+    if (sensor_.known_ids) message.detections.back().id = landmark.id;
+  }
+  add_clutter(message);
+  ++scans_;
+  return message;
+}
+
+/// Even over the half disc in view; their number is Poisson distributed.
+void LandmarkWorld::add_clutter(LandmarkDetections& message) const {
+  if (sensor_.clutter <= 0.0) return;
+  Rng rng(seed_, kClutter, static_cast<std::uint64_t>(scans_));
+  for (double time = -std::log(rng.uniform()); time < sensor_.clutter; time -= std::log(rng.uniform())) {
+    const double range = sensor_.max_range * std::sqrt(rng.uniform());
+    message.detections.push_back(sighting(range, rng.uniform(-kPi / 2, kPi / 2), 1.0));
+  }
+}
+
+LandmarkDetection LandmarkWorld::sighting(double range, double bearing, double sd_factor) const {
+  const double factor = sensor_.stated_noise == StatedNoise::actual ? sd_factor : 1.0;
+  const Vector2 sd(factor * sensor_.range_sd, factor * sensor_.bearing_sd);
+  LandmarkDetection d;
+  d.range = range;
+  d.bearing = bearing;
+  d.covariance = sd.cwiseAbs2().asDiagonal();
+  return d;
+}
+
+std::int64_t LandmarkWorld::utime() const {
+  return std::llround(1e6 * static_cast<double>(step_) / vehicle_.control_rate);
+}
+
+}  // namespace noctule::sim
