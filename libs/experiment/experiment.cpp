@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cctype>
 #include <ctime>
+#include <fstream>
+#include <limits>
 #include <set>
 
 #include "core/error.hpp"
 #include "experiment/contour_room.hpp"
 #include "experiment/csv.hpp"
+#include "experiment/landmark_world.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -61,7 +64,9 @@ std::string Experiment::validate() const {
 
 std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "contour_room") return std::make_unique<ContourRoom>(spec);
-  throw InputError("scenario '" + spec.name + "': kind: expected contour_room, got '" + spec.kind + "'");
+  if (spec.kind == "landmark_world") return std::make_unique<LandmarkWorld>(spec);
+  throw InputError("scenario '" + spec.name + "': kind: expected one of contour_room, landmark_world, got '" +
+                   spec.kind + "'");
 }
 
 std::vector<FilterSpec> expand(std::span<const FilterSpec> families) {
@@ -107,6 +112,19 @@ double cpu_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double kilobytes = 0.0;
+    if (word == "VmHWM:" && status >> kilobytes) return 1024.0 * kilobytes;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+void reset_peak_memory() {
+  std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 }  // namespace noctule::experiment
