@@ -8,7 +8,6 @@
 #include "eval/set_distance.hpp"
 #include "eval/trajectory.hpp"
 #include "experiment/experiment.hpp"
-#include "sim/landmark_world.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -55,23 +54,27 @@ void add_pose_figures(const LandmarkTrack& track, const LandmarkStream& stream, 
   if (has_covariance) run.series.push_back(std::move(consistency));
 }
 
+void add_set_distances(const LandmarkMap& map, const LandmarkStream& stream, double cutoff, FilterRun& run) {
+  std::vector<Vector2> estimates, truth;
+  for (const LandmarkEstimate& l : map.landmarks) {
+    if (l.kind == LandmarkKind::point && l.parameters.allFinite()) estimates.emplace_back(l.parameters.head<2>());
+  }
+  for (const KnownLandmark& l : stream.seen) truth.push_back(l.position);
+  const Eigen::MatrixXd distances = eval::distances(estimates, truth);
+  run.figures.push_back({"landmark_ospa", eval::ospa(distances, {1.0, cutoff}).total, "m"});
+  run.figures.push_back({"landmark_gospa", eval::gospa(distances, {1.0, cutoff}).total, "m"});
+}
+
 void add_map_figures(const LandmarkTrack& track, const LandmarkStream& stream, const LandmarkJudgement& judgement,
                      FilterRun& run) {
   const eval::LandmarkErrors errors =
       eval::landmark_errors(track.map, stream.seen, {.gate = judgement.match_within, .known_ids = judgement.known_ids});
-  std::vector<Vector2> estimates, truth;
-  for (const LandmarkEstimate& l : track.map.landmarks) {
-    if (l.kind == LandmarkKind::point && l.parameters.allFinite()) estimates.emplace_back(l.parameters.head<2>());
-  }
-  for (const KnownLandmark& l : stream.seen) truth.push_back(l.position);
-  const eval::SetDistanceParameters distance{.order = 1.0, .cutoff = judgement.match_within};
   run.figures.insert(run.figures.end(), {{"landmark_rmse", errors.rmse, "m"},
                                          {"landmark_mean_error", errors.mean, "m"},
                                          {"landmarks_found", static_cast<double>(errors.found), "1"},
                                          {"landmarks_missed", static_cast<double>(errors.missed), "1"},
-                                         {"landmarks_invented", static_cast<double>(errors.invented), "1"},
-                                         {"landmark_ospa", eval::ospa(estimates, truth, distance).total, "m"},
-                                         {"landmark_gospa", eval::gospa(estimates, truth, distance).total, "m"}});
+                                         {"landmarks_invented", static_cast<double>(errors.invented), "1"}});
+  if (judgement.as_sets) add_set_distances(track.map, stream, judgement.match_within, run);
   if (track.landmark_errors.empty()) return;
   Series series{"landmark_error", "m", {}, track.landmark_errors};
   for (const std::size_t i : stream.samples) series.time.push_back(time_of(stream.scans[i]));
@@ -114,27 +117,22 @@ void add_health(const LandmarkTrack& track, const LandmarkStream& stream, Filter
 
 }  // namespace
 
-LandmarkStream record(const sim::LandmarkWorldParameters& parameters, std::uint64_t seed, double period) {
-  sim::LandmarkWorldParameters of_insider = parameters;
-  of_insider.sensor.known_ids = true;
-  of_insider.sensor.stated_noise = sim::StatedNoise::actual;
-  of_insider.sensor.clutter = 0.0;
-  sim::LandmarkWorld source(parameters, seed), insider(of_insider, seed);
+LandmarkStream record(const std::shared_ptr<const sim::LandmarkScene>& scene, std::uint64_t seed, double period) {
+  sim::LandmarkWorld source(scene, seed);
   LandmarkStream stream;
   stream.start = source.world().start_in_map;
   std::vector<Odometry> odometry;
   std::set<std::int64_t> seen;
   Pose2 truth = stream.start;
   while (auto observation = source.next()) {
-    auto informed = insider.next();  // the same kind: they differ in labels alone
     if (const auto* o = std::get_if<Odometry>(&*observation)) {
       odometry.push_back(*o);
     } else if (const auto* g = std::get_if<GroundTruth>(&*observation)) {
       stream.path_length += (g->base_in_map.position() - truth.position()).norm();
       truth = g->base_in_map;
     } else {
-      stream.scans.push_back({std::move(odometry), std::get<LandmarkDetections>(std::move(*observation)),
-                              std::get<LandmarkDetections>(std::move(*informed)), truth});
+      stream.scans.push_back(
+          {std::move(odometry), std::get<LandmarkDetections>(std::move(*observation)), source.informed(), truth});
       odometry.clear();
       for (const LandmarkDetection& d : stream.scans.back().informed.detections) seen.insert(d.id);
     }
@@ -142,7 +140,7 @@ LandmarkStream record(const sim::LandmarkWorldParameters& parameters, std::uint6
   for (const KnownLandmark& l : source.world().landmarks) {
     if (seen.contains(l.id)) stream.seen.push_back(l);
   }
-  const double scan_period = parameters.sensor.controls_per_scan / parameters.vehicle.control_rate;
+  const double scan_period = scene->sensor.controls_per_scan / scene->vehicle.control_rate;
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(period / scan_period)));
   for (std::size_t i = 0; i < stream.scans.size(); ++i) {
     if (i % stride == 0 || i + 1 == stream.scans.size()) stream.samples.push_back(i);
@@ -155,32 +153,15 @@ double landmark_rmse(const LandmarkMap& map, const LandmarkStream& stream, const
       .rmse;
 }
 
-const std::vector<std::string>& landmark_metric_names() {
-  static const std::vector<std::string> names{"position_rmse",
-                                              "position_mean_error",
-                                              "heading_rmse",
-                                              "final_position_error",
-                                              "landmark_rmse",
-                                              "landmark_mean_error",
-                                              "landmarks_found",
-                                              "landmarks_missed",
-                                              "landmarks_invented",
-                                              "landmark_ospa",
-                                              "landmark_gospa",
-                                              "nees_mean",
-                                              "nees_median",
-                                              "nees_inside",
-                                              "nees_leaves",
-                                              "nis_mean",
-                                              "ess_mean",
-                                              "distinct_particles_end",
-                                              "distinct_ancestors_end",
-                                              "position_error",
-                                              "landmark_error",
-                                              "nees",
-                                              "effective_sample_size",
-                                              "distinct_particles",
-                                              "distinct_ancestors"};
+std::vector<std::string> landmark_metric_names(bool as_sets) {
+  std::vector<std::string> names{"position_rmse",        "position_mean_error", "heading_rmse",
+                                 "final_position_error", "landmark_rmse",       "landmark_mean_error",
+                                 "landmarks_found",      "landmarks_missed",    "landmarks_invented"};
+  if (as_sets) names.insert(names.end(), {"landmark_ospa", "landmark_gospa"});
+  names.insert(names.end(), {"nees_mean", "nees_median", "nees_inside", "nees_leaves", "nis_mean", "ess_mean",
+                             "distinct_particles_end", "distinct_ancestors_end"});
+  names.insert(names.end(), {"position_error", "landmark_error", "nees", "effective_sample_size", "distinct_particles",
+                             "distinct_ancestors"});
   return names;
 }
 

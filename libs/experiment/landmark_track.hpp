@@ -1,13 +1,14 @@
 #pragma once
 /// A run among landmarks, and how good a track of it is.
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/estimate.hpp"
 #include "core/source.hpp"
 #include "experiment/row.hpp"
-#include "sim/landmark_parameters.hpp"
+#include "sim/landmark_world.hpp"
 
 namespace noctule::experiment {
 
@@ -15,9 +16,7 @@ namespace noctule::experiment {
 struct LandmarkScan {
   std::vector<Odometry> odometry;
   LandmarkDetections sightings;  ///< what filters are fed
-  /// The same ranges and bearings as somebody knows them who knows the simulator: with true identities and the
-  /// covariance of their own noise, without clutter.
-  LandmarkDetections informed;
+  LandmarkDetections informed;   ///< the same as sim::LandmarkWorld::informed() has them
   Pose2 truth;
 };
 
@@ -31,7 +30,8 @@ struct LandmarkStream {
 };
 
 /// \param period time between two points of curves [s]
-[[nodiscard]] LandmarkStream record(const sim::LandmarkWorldParameters&, std::uint64_t seed, double period);
+[[nodiscard]] LandmarkStream record(const std::shared_ptr<const sim::LandmarkScene>&, std::uint64_t seed,
+                                    double period);
 
 /// What was made of a stream.
 struct LandmarkTrack {
@@ -43,14 +43,15 @@ struct LandmarkTrack {
 
 struct LandmarkJudgement {
   bool known_ids = true;      ///< landmarks are paired by id; else by their places
+  bool as_sets = false;       ///< OSPA and GOSPA too
   double match_within = 5.0;  ///< pairs farther apart are none where ids are unknown; cutoff of OSPA and GOSPA [m]
 };
 
 /// RMS error [m] of the landmarks in the map.
 [[nodiscard]] double landmark_rmse(const LandmarkMap&, const LandmarkStream&, const LandmarkJudgement&);
 
-/// Names of all figures and curves.
-[[nodiscard]] const std::vector<std::string>& landmark_metric_names();
+/// Names of all figures and curves. \param as_sets as in LandmarkJudgement
+[[nodiscard]] std::vector<std::string> landmark_metric_names(bool as_sets);
 
 /// Figures, curves, times and divergence of a track. Nothing is aligned: SLAM starts at the true pose.
 [[nodiscard]] FilterRun judge(const LandmarkTrack&, const LandmarkStream&, const LandmarkJudgement&);

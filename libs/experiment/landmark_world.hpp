@@ -1,10 +1,11 @@
 #pragma once
 /// A simulated vehicle among point landmarks: SLAM filters that see them by range and bearing.
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "sim/landmark_parameters.hpp"
+#include "sim/landmark_world.hpp"
 
 namespace noctule::experiment {
 
@@ -22,7 +23,7 @@ struct LandmarkScenarioParameters {
     v.group("vehicle", &P::vehicle, "a vehicle with steered front wheels");
     v.group("sensor", &P::sensor, "sightings of landmarks ahead");
     v.field("match_within_m", &P::match_within, unit::metre,
-            "cutoff of OSPA and GOSPA; where sightings carry no number, farther pairs of landmarks are no pairs",
+            "where sightings carry no number: farther pairs of landmarks are no pairs; also cutoff of OSPA and GOSPA",
             positive());
     v.field("series_period_s", &P::series_period, unit::second, "time between two points of curves", positive());
   }
@@ -42,6 +43,7 @@ class LandmarkWorld : public Scenario {
 
  private:
   LandmarkScenarioParameters parameters_;
+  std::shared_ptr<const sim::LandmarkScene> scene_;
 };
 
 }  // namespace noctule::experiment

@@ -88,13 +88,7 @@ struct SteeredVehicleParameters {
   }
 };
 
-/// Covariance that a sighting comes with.
-enum class StatedNoise {
-  nominal,  ///< that of `range_sd` and `bearing_sd`, whatever the noise
-  actual    ///< that of the distribution which this sighting's noise was drawn from
-};
-
-/// Sees all landmarks in the half disc ahead of the vehicle.
+/// Sees all landmarks in the half disc ahead of the vehicle. Sightings state the nominal noise, whatever the schedule.
 struct LandmarkSensorParameters {
   double max_range = 30.0;
   int controls_per_scan = 8;
@@ -105,7 +99,6 @@ struct LandmarkSensorParameters {
   double outlier_factor = 5.0;
   double clutter = 0.0;
   bool known_ids = true;
-  StatedNoise stated_noise = StatedNoise::nominal;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -120,8 +113,6 @@ struct LandmarkSensorParameters {
             positive());
     v.field("clutter", &P::clutter, unit::one, "mean number of sightings of nothing in one scan", between(0.0, 1000.0));
     v.field("known_ids", &P::known_ids, "whether sightings carry the landmark's number");
-    v.choice("stated_noise", &P::stated_noise, {{"nominal", StatedNoise::nominal}, {"actual", StatedNoise::actual}},
-             "covariance that a sighting states: the nominal one, or that of its own noise");
   }
   /// Empty when the stages follow each other in time.
   [[nodiscard]] std::string validate() const;

@@ -76,26 +76,26 @@ bool sees(const Pose2& sensor, const Vector2& place, double max_range) {
   return d.squaredNorm() < max_range * max_range && d.x() * std::cos(sensor.yaw) + d.y() * std::sin(sensor.yaw) > 0.0;
 }
 
-LandmarkWorld::LandmarkWorld(const LandmarkWorldParameters& parameters, std::uint64_t seed)
-    : vehicle_(sound(parameters).vehicle), sensor_(parameters.sensor), seed_(seed) {
+LandmarkScene::LandmarkScene(const LandmarkWorldParameters& parameters)
+    : vehicle(sound(parameters).vehicle), sensor(parameters.sensor) {
   LandmarkMapPlaces places = places_of(parameters.world);
-  known_.name = parameters.world.name;
-  known_.landmarks = std::move(places.landmarks);
-  known_.start_in_map = places.start;
-  steps_ = plan_steps(places.start, places.waypoints, parameters.world.loops, vehicle_);
+  known.name = parameters.world.name;
+  known.landmarks = std::move(places.landmarks);
+  known.start_in_map = places.start;
+  steps = plan_steps(places.start, places.waypoints, parameters.world.loops, vehicle);
 }
 
 std::optional<Observation> LandmarkWorld::next() {
   switch (due_) {
     case Due::odometry: {
-      if (step_ == steps_.size()) return std::nullopt;
+      if (step_ == scene_->steps.size()) return std::nullopt;
       const Odometry odometry = drive();
-      if (step_ % static_cast<std::size_t>(sensor_.controls_per_scan) == 0) due_ = Due::truth;
+      if (step_ % static_cast<std::size_t>(scene_->sensor.controls_per_scan) == 0) due_ = Due::truth;
       return odometry;
     }
     case Due::truth:
       due_ = Due::sightings;
-      return GroundTruth{{utime(), scans_}, steps_[step_ - 1].pose};
+      return GroundTruth{{utime(), scans_}, scene_->steps[step_ - 1].pose};
     case Due::sightings:
       break;
   }
@@ -104,33 +104,39 @@ std::optional<Observation> LandmarkWorld::next() {
 }
 
 Odometry LandmarkWorld::drive() {
+  const SteeredVehicleParameters& vehicle = scene_->vehicle;
   Rng rng(seed_, kControl, step_);
-  const double speed = rng.normal(vehicle_.speed, vehicle_.speed_sd);
-  const double steering = rng.normal(steps_[step_].steering, vehicle_.steering_sd);
-  const auto motion = models::predict_front_axle({}, speed, steering, vehicle_.wheelbase, 1.0 / vehicle_.control_rate);
-  const Vector2 variances(vehicle_.speed_sd * vehicle_.speed_sd, vehicle_.steering_sd * vehicle_.steering_sd);
+  const double speed = rng.normal(vehicle.speed, vehicle.speed_sd);
+  const double steering = rng.normal(scene_->steps[step_].steering, vehicle.steering_sd);
+  const auto motion = models::predict_front_axle({}, speed, steering, vehicle.wheelbase, 1.0 / vehicle.control_rate);
+  const Vector2 variances(vehicle.speed_sd * vehicle.speed_sd, vehicle.steering_sd * vehicle.steering_sd);
   const auto seq = static_cast<std::int64_t>(step_++);
   return {{utime(), seq}, motion.pose, motion.by_control * variances.asDiagonal() * motion.by_control.transpose()};
 }
 
 LandmarkDetections LandmarkWorld::look() {
-  const Pose2& pose = steps_[step_ - 1].pose;
-  const double progress = static_cast<double>(step_) / static_cast<double>(steps_.size());
-  const double stage = models::noise_factor(sensor_.schedule, progress);
+  const LandmarkSensorParameters& sensor = scene_->sensor;
+  const Pose2& pose = scene_->steps[step_ - 1].pose;
+  const double progress = static_cast<double>(step_) / static_cast<double>(scene_->steps.size());
+  const double stage = models::noise_factor(sensor.schedule, progress);
   const auto scan = static_cast<std::uint64_t>(scans_);
   LandmarkDetections message{{utime(), scans_}, {}, {}};
-  for (const KnownLandmark& landmark : known_.landmarks) {
-    if (!sees(pose, landmark.position, sensor_.max_range)) continue;
+  informed_ = message;
+  for (const KnownLandmark& landmark : scene_->known.landmarks) {
+    if (!sees(pose, landmark.position, sensor.max_range)) continue;
     const auto slot = static_cast<std::uint32_t>(landmark.id);
-    const bool outlier = Rng(seed_, kOutlier, scan, slot).uniform() < sensor_.outliers;
-    const double factor = stage * (outlier ? sensor_.outlier_factor : 1.0);
+    const bool outlier = Rng(seed_, kOutlier, scan, slot).uniform() < sensor.outliers;
+    const double factor = stage * (outlier ? sensor.outlier_factor : 1.0);
     const Vector2 z = models::predict_range_bearing(pose, landmark.position).z;
     Rng rng(seed_, kMeasurement, scan, slot);
-    const double range = rng.normal(z[0], factor * sensor_.range_sd);
-    const double bearing = rng.normal(z[1], factor * sensor_.bearing_sd);
+    const double range = rng.normal(z[0], factor * sensor.range_sd);
+    const double bearing = rng.normal(z[1], factor * sensor.bearing_sd);
     if (range <= 0.0) continue;
-    message.detections.push_back(sighting(range, wrap(bearing), factor));
-    if (sensor_.known_ids) message.detections.back().id = landmark.id;
+    LandmarkDetection& told = message.detections.emplace_back(sighting(range, wrap(bearing)));
+    LandmarkDetection& known = informed_.detections.emplace_back(told);
+    known.covariance *= factor * factor;
+    known.id = landmark.id;
+    if (sensor.known_ids) told.id = landmark.id;
   }
   add_clutter(message);
   ++scans_;
@@ -139,26 +145,26 @@ LandmarkDetections LandmarkWorld::look() {
 
 /// Even over the half disc in view; their number is Poisson distributed.
 void LandmarkWorld::add_clutter(LandmarkDetections& message) const {
-  if (sensor_.clutter <= 0.0) return;
+  const LandmarkSensorParameters& sensor = scene_->sensor;
+  if (sensor.clutter <= 0.0) return;
   Rng rng(seed_, kClutter, static_cast<std::uint64_t>(scans_));
-  for (double time = -std::log(rng.uniform()); time < sensor_.clutter; time -= std::log(rng.uniform())) {
-    const double range = sensor_.max_range * std::sqrt(rng.uniform());
-    message.detections.push_back(sighting(range, rng.uniform(-kPi / 2, kPi / 2), 1.0));
+  for (double time = -std::log(rng.uniform()); time < sensor.clutter; time -= std::log(rng.uniform())) {
+    const double range = sensor.max_range * std::sqrt(rng.uniform());
+    message.detections.push_back(sighting(range, rng.uniform(-kPi / 2, kPi / 2)));
   }
 }
 
-LandmarkDetection LandmarkWorld::sighting(double range, double bearing, double sd_factor) const {
-  const double factor = sensor_.stated_noise == StatedNoise::actual ? sd_factor : 1.0;
-  const Vector2 sd(factor * sensor_.range_sd, factor * sensor_.bearing_sd);
+LandmarkDetection LandmarkWorld::sighting(double range, double bearing) const {
+  const LandmarkSensorParameters& sensor = scene_->sensor;
   LandmarkDetection d;
   d.range = range;
   d.bearing = bearing;
-  d.covariance = sd.cwiseAbs2().asDiagonal();
+  d.covariance.diagonal() << sensor.range_sd * sensor.range_sd, sensor.bearing_sd * sensor.bearing_sd;
   return d;
 }
 
 std::int64_t LandmarkWorld::utime() const {
-  return std::llround(1e6 * static_cast<double>(step_) / vehicle_.control_rate);
+  return std::llround(1e6 * static_cast<double>(step_) / scene_->vehicle.control_rate);
 }
 
 }  // namespace noctule::sim

@@ -54,16 +54,14 @@ TEST(LandmarkWorldStatistics, ControlsErrAsStated) {
 TEST(LandmarkWorldStatistics, SightingsErrAsStatedAndOutliersAreTheirShare) {
   LandmarkWorldParameters p = square(400);
   p.sensor.outliers = 0.1;
-  p.sensor.stated_noise = StatedNoise::actual;
   Standardised range, bearing;
   int outliers = 0;
   LandmarkWorld source(p, 2);
   Pose2 truth;
   while (const auto o = source.next()) {
     if (const auto* t = std::get_if<GroundTruth>(&*o)) truth = t->base_in_map;
-    const auto* scan = std::get_if<LandmarkDetections>(&*o);
-    if (scan == nullptr) continue;
-    for (const LandmarkDetection& d : scan->detections) {
+    if (!std::holds_alternative<LandmarkDetections>(*o)) continue;
+    for (const LandmarkDetection& d : source.informed().detections) {
       const KnownLandmark& l = source.world().landmarks[static_cast<std::size_t>(d.id)];
       const Vector2 z = models::predict_range_bearing(truth, l.position).z;
       range.add((d.range - z[0]) / std::sqrt(d.covariance(0, 0)));

@@ -31,7 +31,7 @@ struct Recording {
   std::vector<Observation> all;
   std::vector<Odometry> odometry;
   std::vector<GroundTruth> truth;
-  std::vector<LandmarkDetections> scans;
+  std::vector<LandmarkDetections> scans, informed;
   KnownWorld world;
 
   Recording(const LandmarkWorldParameters& p, std::uint64_t seed) {
@@ -41,7 +41,10 @@ struct Recording {
       all.push_back(*o);
       if (const auto* x = std::get_if<Odometry>(&*o)) odometry.push_back(*x);
       if (const auto* x = std::get_if<GroundTruth>(&*o)) truth.push_back(*x);
-      if (const auto* x = std::get_if<LandmarkDetections>(&*o)) scans.push_back(*x);
+      if (const auto* x = std::get_if<LandmarkDetections>(&*o)) {
+        scans.push_back(*x);
+        informed.push_back(source.informed());
+      }
     }
   }
 };
@@ -159,7 +162,6 @@ TEST(LandmarkWorld, SchedulesOutliersAndLabelsScaleTheSameDraws) {
   const Recording plain(p, 4);
   p.sensor.schedule = {{0.5, 3.0}};
   p.sensor.known_ids = false;
-  p.sensor.stated_noise = StatedNoise::actual;
   const Recording staged(p, 4);
   ASSERT_EQ(plain.scans.size(), staged.scans.size());
   for (std::size_t i = 0; i < plain.scans.size(); ++i) {
@@ -172,8 +174,12 @@ TEST(LandmarkWorld, SchedulesOutliersAndLabelsScaleTheSameDraws) {
       const double range = (place - plain.truth[i].base_in_map.position()).norm();
       EXPECT_NEAR(b.range - range, factor * (a.range - range), 1e-9);
       EXPECT_EQ(b.id, -1);
-      EXPECT_NEAR(std::sqrt(b.covariance(0, 0)), factor * 0.1, 1e-12);
-      EXPECT_NEAR(std::sqrt(a.covariance(1, 1)), radians(1), 1e-12);
+      EXPECT_NEAR(std::sqrt(b.covariance(1, 1)), radians(1), 1e-12);
+      const LandmarkDetection& informed = staged.informed[i].detections[k];
+      EXPECT_EQ(informed.id, a.id);
+      EXPECT_EQ(informed.range, b.range);
+      EXPECT_EQ(informed.bearing, b.bearing);
+      EXPECT_NEAR(std::sqrt(informed.covariance(0, 0)), factor * 0.1, 1e-12);
     }
   }
 }
@@ -191,6 +197,7 @@ TEST(LandmarkWorld, ClutterLiesAheadAndLeavesTheOtherStreamsAlone) {
     for (std::size_t k = a.size(); k < b.size(); ++k) {
       EXPECT_EQ(b[k].id, -1);
       EXPECT_LE(std::abs(b[k].bearing), kPi / 2);
+      EXPECT_EQ(cluttered.informed[i].detections.size(), a.size());
       ++count;
     }
   }
