@@ -143,7 +143,7 @@ TEST_F(PipelineRun, EveryPipelineFileIsSoundAndItsEffectiveFormIsToo) {
 TEST_F(PipelineRun, TheTableOfKeysNamesThem) {
   const Outcome outcome = run(command("noctule-pipeline", {"--keys"}));
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_NE(outcome.output.find("| `slam.filter.particles` |  | `100` |"), std::string::npos);
+  EXPECT_NE(outcome.output.find("| `slam.filter<pf>.particles` |  | `100` |"), std::string::npos);
   EXPECT_NE(outcome.output.find("| `source<simulator>.world.path.stop_spacing_cm` | cm |"), std::string::npos);
 }
 
