@@ -17,8 +17,8 @@ constexpr std::uint64_t kMeasurement = stream_id("sim.measurement");
 constexpr std::uint64_t kOutlier = stream_id("sim.outlier");
 constexpr std::uint64_t kClutter = stream_id("sim.clutter");
 
-constexpr double kPatience = 20.0;   // a way-point is out of reach when the detour to it is this much longer ...
-constexpr double kLeastTurns = 4.0;  // ... and longer than so many full turns
+constexpr double kPatience = 20.0;  // a way-point is out of reach when the detour to it is so many times as long as ...
+constexpr double kWideTurn = 10.0;  // ... the distance and the turning radius, or so many distances if that is less
 
 const LandmarkWorldParameters& sound(const LandmarkWorldParameters& p) {
   require_sound(p, "landmark world '" + p.world.name + "'");
@@ -57,7 +57,7 @@ std::vector<ControlStep> plan_steps(const Pose2& start, const std::vector<Vector
   for (int loop = 0; loop < loops; ++loop) {
     for (const Vector2& place : waypoints) {
       const double distance = (place - now.pose.position()).norm();
-      double patience = std::max(kPatience * distance, kLeastTurns * kTwoPi * turning_radius(vehicle));
+      double patience = kPatience * std::min(distance + turning_radius(vehicle), kWideTurn * distance);
       while ((place - now.pose.position()).norm() >= vehicle.waypoint_radius) {
         if (patience < 0.0) refuse_waypoint(place, vehicle);
         now.steering = steer_towards(place, now.pose, now.steering, vehicle.max_steering, vehicle.steering_rate, dt);
@@ -83,6 +83,10 @@ LandmarkScene::LandmarkScene(const LandmarkWorldParameters& parameters)
   known.landmarks = std::move(places.landmarks);
   known.start_in_map = places.start;
   steps = plan_steps(places.start, places.waypoints, parameters.world.loops, vehicle);
+  if (steps.size() < static_cast<std::size_t>(sensor.controls_per_scan)) {
+    throw InputError("world.waypoints_m: expected a way of at least " + std::to_string(sensor.controls_per_scan) +
+                     " controls, which one scan takes, got " + std::to_string(steps.size()));
+  }
 }
 
 std::optional<Observation> LandmarkWorld::next() {

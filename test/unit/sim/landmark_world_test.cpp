@@ -221,12 +221,15 @@ TEST(LandmarkWorld, RefusesAWaypointThatItWouldCircleForEver) {
   p.vehicle.wheelbase = 0.2;
   p.vehicle.waypoint_radius = 0.2;
   EXPECT_NO_THROW(LandmarkWorld(p, 1));
+  p.vehicle.max_steering = 1e-9;
+  expect_says(refusal([&] { LandmarkWorld(p, 1); }), "got circles past it");
 }
 
 TEST(LandmarkWorld, RefusesWhatMakesNoWorld) {
   using P = LandmarkWorldParameters;
   expect_says(refusal([](P& p) { p.world.waypoints.clear(); }), "got no way-point");
   expect_says(refusal([](P& p) { p.world.landmarks.clear(); }), "got no landmark");
+  expect_says(refusal([](P& p) { p.world.waypoints = {{1.2, 0}}; }), "expected a way of at least 8 controls");
   expect_says(refusal([](P& p) { p.sensor.range_sd = 0.0; }), "sensor.range_sd_m: expected a finite number > 0");
   expect_says(refusal([](P& p) { p.world.scale = -1.0; }), "world.scale: expected a finite number > 0");
   expect_says(refusal([](P& p) { p.vehicle.speed_sd = std::nan(""); }), "vehicle.speed_sd_m_per_s");
