@@ -13,7 +13,7 @@ namespace noctule::datasets {
 namespace {
 
 constexpr std::array kBearingsDeg{-90.0, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90.0};
-constexpr double kNoEchoMm = 5110.0;
+constexpr double kBeyondRangeMm = 5110.0;
 constexpr double kMillimetre = 1e-3;
 
 // An increment with noise added, and the covariance of what was added.
@@ -74,8 +74,8 @@ Recording read(const SonarCorridorParameters& p) {
     for (std::size_t i = 0; i < kBearingsDeg.size(); ++i) {
       const int column = static_cast<int>(i) + 1;
       const double raw = ranges.at_least(0.0, row, column);
-      scan.beams.push_back(
-          ring_beam(radians(kBearingsDeg[i]), p.ring_radius, raw >= kNoEchoMm ? kNoEcho : raw * kMillimetre, scan));
+      scan.beams.push_back(ring_beam(radians(kBearingsDeg[i]), p.ring_radius,
+                                     raw >= kBeyondRangeMm ? kNoEcho : raw * kMillimetre, scan));
       fresh[i] = !fresh[i] || raw != ranges(row - 1, column);
       if (!fresh[i]) scan.beams.back() = {scan.beams.back().sensor_in_base, 0.0, Echo::invalid};
     }

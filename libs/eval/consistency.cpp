@@ -4,10 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/limits.hpp"
+
 namespace noctule::eval {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Sum of chi-square values.
 struct Sum {

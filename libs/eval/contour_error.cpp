@@ -3,16 +3,13 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "core/assignment.hpp"
+#include "core/limits.hpp"
 
 namespace noctule::eval {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void check(const ContourErrorParameters& p) {
   if (!(p.rho_scale > 0.0 && p.theta_scale > 0.0 && p.wall_gate > 0.0 && p.cylinder_gate > 0.0)) {

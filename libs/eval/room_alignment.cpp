@@ -3,18 +3,16 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 
 #include "core/assignment.hpp"
+#include "core/limits.hpp"
 #include "eval/statistics.hpp"
 
 namespace noctule::eval {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kLeastSpread = 0.05;  // smallest share of a direction in the walls' normals
 constexpr int kRounds = 2;             // of pairing
 
@@ -69,12 +67,12 @@ std::vector<int> pair_walls(std::span<const Wall> estimates, std::span<const Wal
   return assign(costs, 2.0);
 }
 
-using Pairs = std::vector<std::pair<Wall, Wall>>;
+using WallPairs = std::vector<std::pair<Wall, Wall>>;
 
 /// All pairs but that of wall `left_out`; -1: all.
-Pairs pairs_without(int left_out, const std::vector<int>& match, std::span<const Wall> estimates,
-                    std::span<const Wall> truths) {
-  Pairs pairs;
+WallPairs pairs_without(int left_out, const std::vector<int>& match, std::span<const Wall> estimates,
+                        std::span<const Wall> truths) {
+  WallPairs pairs;
   for (std::size_t i = 0; i < match.size(); ++i) {
     if (match[i] < 0 || static_cast<int>(i) == left_out) continue;
     pairs.emplace_back(estimates[static_cast<std::size_t>(match[i])], truths[i]);

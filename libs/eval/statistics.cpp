@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <unsupported/Eigen/SpecialFunctions>
 #include <vector>
 
+#include "core/limits.hpp"
 #include "core/rng.hpp"
 
 namespace noctule::eval {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void check(std::span<const double> values) {
   if (values.empty()) throw std::invalid_argument("statistics of no values");

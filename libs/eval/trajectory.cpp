@@ -8,12 +8,11 @@
 
 #include "core/assignment.hpp"
 #include "core/gaussian.hpp"
+#include "core/limits.hpp"
 #include "eval/statistics.hpp"
 
 namespace noctule::eval {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Mean, mean square and maximum of a stream of non-negative numbers.
 struct Accumulator {

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <ostream>
 #include <stdexcept>
 
+#include "core/limits.hpp"
 #include "core/rng.hpp"
 #include "experiment/csv.hpp"
 
 namespace noctule::experiment {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kExactFlips = 12;
 constexpr int kRandomFlips = 9999;
 constexpr std::uint64_t kBootstrapSeed = 1;

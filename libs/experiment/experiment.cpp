@@ -4,10 +4,10 @@
 #include <cctype>
 #include <ctime>
 #include <fstream>
-#include <limits>
 #include <set>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "experiment/contour_room.hpp"
 #include "experiment/csv.hpp"
 #include "experiment/landmark_world.hpp"
@@ -120,7 +120,7 @@ double peak_memory() {
     double kilobytes = 0.0;
     if (word == "VmHWM:" && status >> kilobytes) return 1024.0 * kilobytes;
   }
-  return std::numeric_limits<double>::quiet_NaN();
+  return kNan;
 }
 
 void reset_peak_memory() {

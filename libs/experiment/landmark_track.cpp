@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
+#include "core/limits.hpp"
 #include "eval/set_distance.hpp"
 #include "eval/trajectory.hpp"
 #include "experiment/experiment.hpp"
@@ -26,7 +26,7 @@ void add_pose_figures(const LandmarkTrack& track, const LandmarkStream& stream, 
     nees.push_back(eval::nees(e.pose, e.covariance, scan.truth));
   }
   const std::vector<double> errors = eval::position_errors(pairs);
-  const double last = errors.empty() ? std::numeric_limits<double>::quiet_NaN() : errors.back();
+  const double last = errors.empty() ? kNan : errors.back();
   const eval::PoseErrors pose = eval::pose_errors(pairs);
   run.figures.insert(run.figures.end(), {{"position_rmse", pose.position_rmse, "m"},
                                          {"position_mean_error", pose.position_mean, "m"},

@@ -47,11 +47,6 @@ void read_part(const fs::path& file, const std::string& scenario, std::uint64_t 
   }
 }
 
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// What makes the figures: the text of the experiment without what only reports look at.
 std::string identity(Experiment experiment) {
   experiment.name.clear();
@@ -129,7 +124,7 @@ void ResultsFolder::write(const Plan& plan, const Piece& piece, std::span<const 
 }
 
 void ResultsFolder::copy_from(const ResultsFolder& other, const Plan& plan, const Piece& piece) const {
-  report::write_file(part(plan, piece), read_text(other.part(plan, piece)));
+  report::write_file(part(plan, piece), report::read_file(other.part(plan, piece)));
 }
 
 void ResultsFolder::write_tables(const Plan& plan) const {

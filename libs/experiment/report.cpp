@@ -61,11 +61,6 @@ std::string diverged_text(const Results& results) {
   return std::to_string(diverged) + " of " + std::to_string(runs.size()) + " runs";
 }
 
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 }  // namespace
 
 std::string report_page(const Results& results, const std::string& configuration) {
@@ -114,7 +109,7 @@ void write_report(const fs::path& directory) {
       report::write_file(directory / "figures" / (plot.id + ".svg"), report::plot_svg(plot, style));
     }
   }
-  report::write_file(directory / "report.html", report_page(results, read_text(directory / "experiment.yaml")));
+  report::write_file(directory / "report.html", report_page(results, report::read_file(directory / "experiment.yaml")));
 }
 
 }  // namespace noctule::experiment

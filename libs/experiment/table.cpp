@@ -1,12 +1,12 @@
 #include "experiment/table.hpp"
 
 #include <cmath>
-#include <limits>
 #include <map>
 #include <ostream>
 #include <tuple>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "eval/statistics.hpp"
 #include "experiment/csv.hpp"
 
@@ -16,7 +16,6 @@ namespace {
 constexpr const char* kRunsHeader = "scenario,filter,parameters,seed,metric,unit,value,diverged";
 constexpr const char* kSummaryHeader = "scenario,filter,parameters,metric,unit,n,diverged,mean,sd,ci95_low,ci95_high";
 constexpr const char* kSeriesHeader = "scenario,filter,parameters,metric,unit,time,mean,ci95_low,ci95_high";
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 struct MeanAndInterval {
   double mean = kNan;

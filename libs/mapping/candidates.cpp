@@ -11,8 +11,8 @@ namespace {
 constexpr double kPeakWindow = 0.08;  // residuals allowed at a peak of the accumulators [m]
 constexpr int kRefinements = 3;       // of the set of echoes and the fit to it
 constexpr int kMaxRefusals = 12;      // peaks of a kind tried in vain before a search gives up
-constexpr double kRough = 1e-3;       // precision of candidates' fits [m, rad]
-constexpr double kFine = 1e-5;
+constexpr double kRoughFit = 1e-3;    // precision of candidates' fits [m, rad]
+constexpr double kFineFit = 1e-5;
 constexpr double kWorth = 0.9;      // share of its gain a candidate must keep when another was taken
 constexpr double kPeakShare = 0.3;  // of the votes of min_readings echoes that a line's peak must hold
 
@@ -35,7 +35,7 @@ std::optional<Object> Competition::refined(const Reflector& start) const {
   for (int i = 0; i < kRefinements; ++i) {
     const std::vector<int> members = supporters(fit, i == 0 ? kPeakWindow : 0.0);
     if (static_cast<int>(members.size()) < parameters_.support.enough(start.is_wall())) return {};
-    const auto next = fit_echoes(fit, arcs_, members, parameters_.robust, kRough);
+    const auto next = fit_echoes(fit, arcs_, members, parameters_.robust, kRoughFit);
     if (!next) return {};
     fit = *next;
     if (fit.reflector.type() == ContourType::arc &&
@@ -66,7 +66,7 @@ double Competition::log_likelihood(const EchoFit& fit, std::span<const int> memb
 }
 
 EchoFit Competition::refitted(const EchoFit& fit, std::span<const int> members) const {
-  return fit_echoes(fit, arcs_, members, parameters_.robust, kFine).value_or(fit);
+  return fit_echoes(fit, arcs_, members, parameters_.robust, kFineFit).value_or(fit);
 }
 
 EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) const {
@@ -81,7 +81,7 @@ EchoFit Competition::simplest(const EchoFit& fit, std::span<const int> members) 
   double most = -std::numeric_limits<double>::infinity();
   for (const Reflector& start : {Reflector(Cylinder{c.centre, 0.0}), Reflector(tangent),
                                  Reflector(Cylinder{c.centre, std::max(c.radius, need.min_radius)})}) {
-    const auto candidate = fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kRough);
+    const auto candidate = fit_echoes({start, 1.0}, arcs_, members, parameters_.robust, kRoughFit);
     if (!candidate) continue;
     double likelihood = log_likelihood(*candidate, members);
     if (start.type() == ContourType::arc) {

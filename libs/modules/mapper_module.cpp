@@ -28,7 +28,7 @@ Output output_of(PoseSource poses) {
   return {name::kMapper, bus::channel::kContourMap};
 }
 
-Trajectory::Between between(PoseSource poses) {
+Trajectory::Between between_poses_of(PoseSource poses) {
   switch (poses) {
     case PoseSource::ground_truth:
       return Trajectory::Between::linear;
@@ -47,7 +47,7 @@ MapperModule::MapperModule(bus::Bus& bus, const MapperModuleParameters& paramete
       parameters_(parameters),
       role_(std::move(role)),
       mapper_(parameters.contours),
-      trajectory_(between(role_.poses)),
+      trajectory_(between_poses_of(role_.poses)),
       path_(Trajectory::Between::nothing) {
   listen_for_poses();
   listen<ultrasonic_scan>(bus::channel::kUltrasonicScan, [this](const UltrasonicScan& scan) { take_scan(scan); });

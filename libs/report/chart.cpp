@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/limits.hpp"
 #include "report/axis.hpp"
 #include "report/text.hpp"
 
@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kWidth = 560.0, kHeight = 190.0;
 constexpr PlotArea kPlot{52.0, kWidth - 10.0, 10.0, kHeight - 26.0, kWidth, kHeight};
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// Maps time and value to the drawing.
 struct Axes {

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <random>
 #include <string>
 
@@ -38,6 +39,17 @@ void write_file(const fs::path& path, std::string_view content) {
     throw InputError(path.string() + ": expected a file that can be written, got: " +
                      (error ? error.message() : std::string("write error")));
   }
+}
+
+std::string read_file(const fs::path& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
+    throw InputError(path.string() +
+                     ": expected a file that can be read, got: " + std::strerror(errno != 0 ? errno : EIO));
+  }
+  return content;
 }
 
 void prepare_results(const fs::path& dir) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace noctule::report {
@@ -8,5 +9,8 @@ namespace noctule::report {
 /// whoever else writes the same.
 /// \throws InputError naming the file and the reason
 void write_file(const std::filesystem::path& path, std::string_view content);
+
+/// The bytes of a file. \throws InputError naming the file and the reason
+[[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
 }  // namespace noctule::report

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "core/chi2.hpp"
+#include "core/limits.hpp"
 #include "report/pose_series.hpp"
 #include "report/text.hpp"
 
 namespace noctule::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Seconds since the first estimate.
 std::vector<double> times(const RunData& data) {

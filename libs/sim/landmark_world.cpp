@@ -17,9 +17,6 @@ constexpr std::uint64_t kMeasurement = stream_id("sim.measurement");
 constexpr std::uint64_t kOutlier = stream_id("sim.outlier");
 constexpr std::uint64_t kClutter = stream_id("sim.clutter");
 
-constexpr double kPatience = 20.0;  // a way-point is out of reach when the detour to it is so many times as long as ...
-constexpr double kWideTurn = 10.0;  // ... the distance and the turning radius, or so many distances if that is less
-
 const LandmarkWorldParameters& sound(const LandmarkWorldParameters& p) {
   require_sound(p, "landmark world '" + p.world.name + "'");
   return p;
@@ -51,6 +48,9 @@ std::string LandmarkSensorParameters::validate() const {
 
 std::vector<ControlStep> plan_steps(const Pose2& start, const std::vector<Vector2>& waypoints, int loops,
                                     const SteeredVehicleParameters& vehicle) {
+  // A way-point is out of reach when the detour to it is `kPatience` times as long as the distance and the turning
+  // radius, or as `kWideTurn` distances if that is less.
+  constexpr double kPatience = 20.0, kWideTurn = 10.0;
   const double dt = 1.0 / vehicle.control_rate;
   std::vector<ControlStep> steps;
   ControlStep now{start, 0.0};

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/limits.hpp"
 #include "core/log_weights.hpp"
 
 namespace noctule::filters {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Log of 1 / (2 pi), the top of a Gaussian of two numbers of unit variance.
 const double kLogTop = -std::log(kTwoPi);
@@ -74,7 +72,7 @@ bool may_explain(const Hypothesis& h, const PlacedEcho& e) {
 
 template <class Hypothesis>
 double log_density(const Hypothesis& h, const PlacedEcho& e) {
-  if (!h.in_view(e)) return -kInfinity;
+  if (!h.in_view(e)) return -kInf;
   const Innovation<Hypothesis> i(h, e);
   return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
 }
@@ -148,9 +146,9 @@ ContourLandmark::ContourLandmark(const ContourFeature& feature, const Pose2& bas
 }
 
 double ContourLandmark::log_likelihood_in_view(const PlacedEcho& echo) const {
-  if (kind_ == LandmarkKind::wall) return may_explain(wall_, echo) ? log_density(wall_, echo) : -kInfinity;
-  if (kind_ != LandmarkKind::undecided) return may_explain(circle_, echo) ? log_density(circle_, echo) : -kInfinity;
-  if (!may_explain(wall_, echo) && !may_explain(circle_, echo)) return -kInfinity;
+  if (kind_ == LandmarkKind::wall) return may_explain(wall_, echo) ? log_density(wall_, echo) : -kInf;
+  if (kind_ != LandmarkKind::undecided) return may_explain(circle_, echo) ? log_density(circle_, echo) : -kInf;
+  if (!may_explain(wall_, echo) && !may_explain(circle_, echo)) return -kInf;
   // Odds of the two types given what was heard so far, equal at first.
   return log_add_exp(log_ratio_ + log_density(wall_, echo), log_density(circle_, echo)) - log_add_exp(log_ratio_, 0.0);
 }

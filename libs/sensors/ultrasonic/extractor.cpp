@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -12,13 +11,13 @@
 #include "core/chi2.hpp"
 #include "core/error.hpp"
 #include "core/gaussian.hpp"
+#include "core/limits.hpp"
 #include "core/log_weights.hpp"
 #include "models/ultrasonic.hpp"
 
 namespace noctule::sensors {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxReadings = 64;  ///< that are fused into one sighting while the robot stands
 constexpr int kScaleLag = 4;              ///< scans that the noise scale needs to follow a jump
 constexpr double kGoodFit = 0.05;         ///< probability of chi2 above which a decided surface is not questioned

@@ -1,17 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "convert/convert.hpp"
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "unit/convert/random_values.hpp"
 #include "unit/convert/same.hpp"
 
 namespace noctule::convert {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 template <class Message>
 std::string refusal(const Message& m) {
@@ -48,7 +44,7 @@ TEST(Refusal, NamesFieldExpectedAndGot) {
             "ultrasonic_scan.beams[1].echo: expected a code from 0 to 3, got 4");
   EXPECT_EQ(refusal(scan, [](auto& m) { m.beams[1].echo = -1; }),
             "ultrasonic_scan.beams[1].echo: expected a code from 0 to 3, got -1");
-  EXPECT_EQ(refusal(scan, [](auto& m) { m.beams[0].sensor_yaw_rad = kInfinity; }),
+  EXPECT_EQ(refusal(scan, [](auto& m) { m.beams[0].sensor_yaw_rad = kInf; }),
             "ultrasonic_scan.beams[0].sensor_yaw_rad: expected a finite number, got inf");
   EXPECT_EQ(refusal(scan, [](auto& m) { m.beam_count = 3; }),
             "ultrasonic_scan.beam_count: expected the length of beams, 2, got 3");
@@ -85,7 +81,7 @@ TEST(Refusal, MatricesThatAreNoCovariance) {
   };
   EXPECT_EQ(with(1, 1, -0.1), "odometry.covariance_x_y_yaw_m_rad: expected finite variances >= 0, got -0.1");
   EXPECT_EQ(with(2, 2, kNan), "odometry.covariance_x_y_yaw_m_rad: expected finite variances >= 0, got nan");
-  for (const auto& [i, j, value] : {std::tuple{0, 1, 0.5}, {1, 0, 0.5}, {2, 0, kNan}, {0, 2, kInfinity}})
+  for (const auto& [i, j, value] : {std::tuple{0, 1, 0.5}, {1, 0, 0.5}, {2, 0, kNan}, {0, 2, kInf}})
     EXPECT_NE(with(i, j, value).find("expected a finite symmetric matrix"), std::string::npos) << with(i, j, value);
 
   const auto correlated = [&](double covariance) {
@@ -108,7 +104,7 @@ TEST(Refusal, MapsOutsideTheirNormalForm) {
             "contour_map.walls[0].rho_m: expected a finite number >= 0, got -1");
   EXPECT_EQ(refusal(map, [](auto& m) { m.walls[0].begin_m = 1.0; }),
             "contour_map.walls[0].end_m: expected a finite number >= 1, got 0");
-  EXPECT_EQ(refusal(map, [](auto& m) { m.cylinders[0].radius_m = kInfinity; }),
+  EXPECT_EQ(refusal(map, [](auto& m) { m.cylinders[0].radius_m = kInf; }),
             "contour_map.cylinders[0].radius_m: expected a finite number >= 0, got inf");
 }
 
@@ -118,7 +114,7 @@ void expect_refused_where_not_finite(Value value) {
   int count = 0;
   for_each_double(value, [&](double& number) {
     const double before = number;
-    for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    for (const double bad : {kNan, kInf, -kInf}) {
       number = bad;
       EXPECT_NE(refusal(to_message(value)), "accepted") << bad << " as double number " << count;
     }

@@ -2,7 +2,6 @@
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "core/contour.hpp"
 #include "core/estimate.hpp"
 #include "core/gaussian.hpp"
+#include "core/limits.hpp"
 #include "core/log_weights.hpp"
 #include "core/parameters.hpp"
 #include "core/pose2.hpp"
@@ -18,8 +18,6 @@
 
 namespace noctule {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 TEST(Philox, KnownAnswersOfRandom123) {
   using Block = std::array<std::uint32_t, 4>;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/limits.hpp"
+
 namespace noctule::eval {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(NormalisedSquare, ClosedFormAndRefusal) {
   const Matrix2 covariance = Vector2(4.0, 0.25).asDiagonal();

@@ -4,17 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "core/limits.hpp"
 #include "core/rng.hpp"
 #include "eval/published_contours.hpp"
 
 namespace noctule::eval {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 ContourMap exact_map(const Room& room) {
   ContourMap map;

@@ -7,13 +7,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/limits.hpp"
 #include "eval/number_text.hpp"
 #include "eval/tum.hpp"
 
 namespace noctule::eval {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Interpolate, LinearInPositionAndTheShorterWayInHeading) {
   const std::vector<TimedPose> t{{1'000'000, {0, 0, 3.0}}, {3'000'000, {2, -4, -3.0}}};

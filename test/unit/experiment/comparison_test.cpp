@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
+#include "core/limits.hpp"
 #include "core/rng.hpp"
 #include "unit/experiment/fake_scenario.hpp"
 
 namespace noctule::experiment {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Row> rows(const std::string& filter, const std::vector<double>& values, std::uint64_t first_seed = 1) {
   std::vector<Row> all;

@@ -7,6 +7,7 @@
 
 #include "config/config.hpp"
 #include "core/chi2.hpp"
+#include "core/limits.hpp"
 #include "experiment/landmark_track.hpp"
 #include "unit/experiment/fake_scenario.hpp"
 
@@ -49,7 +50,7 @@ std::vector<FilterRun> run_all(const Plan& plan, std::uint64_t seed) {
 }
 double figure(const FilterRun& run, const std::string& name) {
   const auto at = std::ranges::find(run.figures, name, &eval::Metric::name);
-  return at == run.figures.end() ? std::nan("") : at->value;
+  return at == run.figures.end() ? kNan : at->value;
 }
 const Series& series(const FilterRun& run, const std::string& name) {
   return *std::ranges::find(run.series, name, &Series::metric);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "unit/filters/recording.hpp"
 
 namespace noctule::filters {
@@ -19,8 +20,6 @@ using test::play;
 using test::record;
 using test::Scene;
 using test::with_particles;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 const LandmarkEstimate* find(const LandmarkMap& map, LandmarkKind kind, const Vector3& near, double tolerance) {
   for (const auto& l : map.landmarks) {

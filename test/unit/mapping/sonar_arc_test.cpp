@@ -2,19 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <set>
 #include <string>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "core/rng.hpp"
 #include "mapping/arc_store.hpp"
 #include "mapping/contour_mapper.hpp"
 
 namespace noctule::mapping {
 namespace {
-
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 UltrasonicScan scan_of(std::vector<UltrasonicBeam> beams) {
   return {.stamp = {.utime = 5, .seq = 7},

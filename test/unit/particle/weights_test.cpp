@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numeric>
+
+#include "core/limits.hpp"
 
 namespace noctule::particle {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 TEST(Weights, StartUniformWithFullSampleSize) {
   const Weights w(8);

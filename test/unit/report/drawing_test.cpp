@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "core/limits.hpp"
 #include "report/chart.hpp"
 #include "report/map_figure.hpp"
 #include "report/text.hpp"
@@ -12,14 +12,6 @@
 
 namespace noctule::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::size_t count(const std::string& text, const std::string& word) {
-  std::size_t n = 0;
-  for (std::size_t i = text.find(word); i != std::string::npos; i = text.find(word, i + 1)) ++n;
-  return n;
-}
 
 double attribute(const std::string& svg, const std::string& css_class, const std::string& name) {
   const std::string element = text_between(svg, "class=\"" + css_class + "\"", ">");

@@ -13,6 +13,13 @@ inline std::string text_between(const std::string& text, const std::string& befo
   return end == std::string::npos ? "" : text.substr(begin, end - begin);
 }
 
+/// How often `word` stands in `text`.
+inline std::size_t count(const std::string& text, const std::string& word) {
+  std::size_t n = 0;
+  for (std::size_t i = text.find(word); i != std::string::npos; i = text.find(word, i + 1)) ++n;
+  return n;
+}
+
 /// NaN where the text does not begin with a number.
 inline double number(const std::string& text) {
   char* end = nullptr;

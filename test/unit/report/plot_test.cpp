@@ -4,21 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <regex>
 
+#include "core/limits.hpp"
 #include "report/axis.hpp"
+#include "unit/report/find_text.hpp"
 
 namespace noctule::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::size_t count(const std::string& text, const std::string& word) {
-  std::size_t n = 0;
-  for (std::size_t i = text.find(word); i != std::string::npos; i = text.find(word, i + 1)) ++n;
-  return n;
-}
 
 /// The numbers of the first path with this class.
 std::vector<double> path_numbers(const std::string& svg, const std::string& css_class) {

@@ -6,13 +6,12 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "core/rng.hpp"
 #include "statistics/sensors/scene.hpp"
 
 namespace noctule::sensors {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// A stepper's scan from ranges [m], 6 degrees apart from `first` [deg]; 0 is no echo.
 UltrasonicScan stepper(const std::vector<double>& ranges, double first = 0.0) {

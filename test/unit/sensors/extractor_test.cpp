@@ -6,13 +6,13 @@
 #include <set>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "statistics/sensors/scene.hpp"
 
 namespace noctule::sensors {
 namespace {
 
 using scene::Kind;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Odometry odometry(std::int64_t seq, const Pose2& increment) {
   return {{1000000 * seq, seq}, increment, Matrix3::Zero()};
@@ -25,12 +25,12 @@ bool finite(const ContourFeature& f) {
          std::isfinite(f.baseline);
 }
 
-const scene::Object kWall{Kind::wall, {1.0, radians(85.0)}, {}};
+const scene::Object kHeardWall{Kind::wall, {1.0, radians(85.0)}, {}};
 
 TEST(UltrasonicExtractor, ASingleStopIsAmbiguousWithBothHypotheses) {
   Rng rng(1);
   UltrasonicExtractor extractor({});
-  const UltrasonicScan scan = scene::scan(kWall, {}, {}, 7, rng);
+  const UltrasonicScan scan = scene::scan(kHeardWall, {}, {}, 7, rng);
   const ContourFeatures result = extractor.update(scan);
   EXPECT_EQ(result.stamp, scan.stamp);
   ASSERT_EQ(result.features.size(), 1u);
@@ -57,7 +57,7 @@ TEST(UltrasonicExtractor, StandingStillDecidesNothing) {
   double variance = 1.0;
   for (int k = 0; k < 60; ++k) {
     extractor.predict(odometry(k, {}));
-    for (const ContourFeature& f : extractor.update(scene::scan(kWall, {}, {}, k, rng)).features) {
+    for (const ContourFeature& f : extractor.update(scene::scan(kHeardWall, {}, {}, k, rng)).features) {
       EXPECT_EQ(f.type, ContourType::ambiguous);
       EXPECT_EQ(f.stops, 1);
       EXPECT_EQ(f.baseline, 0.0);
@@ -78,7 +78,7 @@ TEST(UltrasonicExtractor, DecidesAWallUnderOneTrackAndNamesItsReadings) {
   ContourFeature last;
   for (int k = 0; k < 10; ++k) {
     if (k > 0) extractor.predict(odometry(k, {0.12, 0.0, 0.0}));
-    const auto features = extractor.update(scene::scan(kWall, {0.12 * k, 0.0, 0.0}, {}, k, rng)).features;
+    const auto features = extractor.update(scene::scan(kHeardWall, {0.12 * k, 0.0, 0.0}, {}, k, rng)).features;
     for (const ContourFeature& f : features) {
       tracks.insert(f.track);
       last = f;
@@ -92,7 +92,7 @@ TEST(UltrasonicExtractor, DecidesAWallUnderOneTrackAndNamesItsReadings) {
   EXPECT_TRUE(last.has_wall);
   EXPECT_FALSE(last.has_circle);
   EXPECT_GE(last.stops, 8);
-  const Wall truth = transformed(inverse(Pose2{0.12 * 9, 0.0, 0.0}), kWall.wall);
+  const Wall truth = transformed(inverse(Pose2{0.12 * 9, 0.0, 0.0}), kHeardWall.wall);
   EXPECT_NEAR(last.wall.rho, truth.rho, 0.02);
   EXPECT_NEAR(last.wall.theta, truth.theta, radians(2.0));
 }
@@ -106,7 +106,7 @@ TEST(UltrasonicExtractor, EveryReadingOfAScanIsInAtMostOneFeature) {
     if (k > 0) extractor.predict(odometry(k, {0.1, 0.0, 0.1}));
     Pose2 base;
     for (int i = 0; i < k; ++i) base = base * Pose2{0.1, 0.0, 0.1};
-    UltrasonicScan scan = scene::scan(kWall, base, {}, k, rng);
+    UltrasonicScan scan = scene::scan(kHeardWall, base, {}, k, rng);
     const UltrasonicScan second = scene::scan(other, base, {}, k, rng);
     for (std::size_t i = 0; i < scan.beams.size(); ++i)
       if (scan.beams[i].echo != Echo::hit) scan.beams[i] = second.beams[i];
@@ -128,7 +128,7 @@ TEST(UltrasonicExtractor, BadBeamsAreIgnoredAndNothingButNumbersComesOut) {
   std::int64_t bad = 0;
   for (int k = 0; k < 12; ++k) {
     extractor.predict(odometry(k, {0.1, 0.0, 0.02}));
-    UltrasonicScan scan = scene::scan(kWall, {0.1 * k, 0.0, 0.0}, {}, k, rng);
+    UltrasonicScan scan = scene::scan(kHeardWall, {0.1 * k, 0.0, 0.0}, {}, k, rng);
     for (auto& beam : scan.beams) {
       const double what = rng.uniform();
       if (what > 0.4) continue;
@@ -164,7 +164,8 @@ TEST(UltrasonicExtractor, NeverLetsNanOutOfRandomScans) {
 TEST(UltrasonicExtractor, DuplicateAndLateMessagesAreIgnoredAndCounted) {
   Rng rng(7);
   UltrasonicExtractor extractor({});
-  const UltrasonicScan first = scene::scan(kWall, {}, {}, 1, rng), second = scene::scan(kWall, {}, {}, 2, rng);
+  const UltrasonicScan first = scene::scan(kHeardWall, {}, {}, 1, rng),
+                       second = scene::scan(kHeardWall, {}, {}, 2, rng);
   EXPECT_FALSE(extractor.update(second).features.empty());
   EXPECT_TRUE(extractor.update(second).features.empty());
   EXPECT_TRUE(extractor.update(first).features.empty());
@@ -181,9 +182,9 @@ TEST(UltrasonicExtractor, AGapInTheOdometryStartsAllTracksAnew) {
   Rng rng(8);
   UltrasonicExtractor extractor({});
   extractor.predict(odometry(0, {}));
-  const auto before = extractor.update(scene::scan(kWall, {}, {}, 0, rng)).features;
+  const auto before = extractor.update(scene::scan(kHeardWall, {}, {}, 0, rng)).features;
   extractor.predict(odometry(2, {0.1, 0.0, 0.0}));
-  const auto after = extractor.update(scene::scan(kWall, {0.2, 0.0, 0.0}, {}, 1, rng)).features;
+  const auto after = extractor.update(scene::scan(kHeardWall, {0.2, 0.0, 0.0}, {}, 1, rng)).features;
   ASSERT_EQ(before.size(), 1u);
   ASSERT_EQ(after.size(), 1u);
   EXPECT_NE(before[0].track, after[0].track);
@@ -201,7 +202,7 @@ TEST(UltrasonicExtractor, RefusesWhatCannotBeUsedAndStaysAsItWas) {
   EXPECT_THROW(extractor.predict(bad), InputError);
   bad.covariance(1, 1) = -1.0;
   EXPECT_THROW(extractor.predict(bad), InputError);
-  UltrasonicScan scan = scene::scan(kWall, {}, {}, 0, rng);
+  UltrasonicScan scan = scene::scan(kHeardWall, {}, {}, 0, rng);
   const UltrasonicScan good = scan;
   scan.half_angle = kNan;
   EXPECT_THROW((void)extractor.update(scan), InputError);
@@ -230,7 +231,7 @@ TEST(UltrasonicExtractor, SlowMotionReachesTheBaselineWithinAFixedWindow) {
   ContourType type = ContourType::ambiguous;
   for (int k = 0; k < 60; ++k) {  // 1.5 cm a scan: twelve scans in a row would span 17 cm only
     if (k > 0) extractor.predict(odometry(k, {0.015, 0.0, 0.0}));
-    for (const auto& f : extractor.update(scene::scan(kWall, {0.015 * k, 0.0, 0.0}, {}, k, rng)).features) {
+    for (const auto& f : extractor.update(scene::scan(kHeardWall, {0.015 * k, 0.0, 0.0}, {}, k, rng)).features) {
       EXPECT_LE(f.stops, parameters.window);
       type = f.type;
     }

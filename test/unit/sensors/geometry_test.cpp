@@ -2,16 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <vector>
 
+#include "core/limits.hpp"
 #include "core/rng.hpp"
 #include "models/ultrasonic.hpp"
 
 namespace noctule::sensors {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// Noise-free sightings; with `hearing` the direction is known to 5 degrees, else not at all.
 template <class Surface>

@@ -2,15 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <vector>
 
+#include "core/limits.hpp"
 #include "models/ultrasonic.hpp"
 
 namespace noctule::sensors {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// Noise-free sightings from equally spaced positions on the x axis, range sd 5 mm, direction sd 3 degrees.
 template <class Surface>

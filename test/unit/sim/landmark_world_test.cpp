@@ -8,7 +8,7 @@
 
 #include "config/config.hpp"
 #include "core/error.hpp"
-#include "core/gaussian.hpp"
+#include "core/limits.hpp"
 #include "core/observation_checks.hpp"
 #include "core/observation_order.hpp"
 #include "sim/landmark_map.hpp"
@@ -27,14 +27,14 @@ LandmarkWorldParameters square() {
   return p;
 }
 
-struct Recording {
+struct LandmarkRecording {
   std::vector<Observation> all;
   std::vector<Odometry> odometry;
   std::vector<GroundTruth> truth;
   std::vector<LandmarkDetections> scans, informed;
   KnownWorld world;
 
-  Recording(const LandmarkWorldParameters& p, std::uint64_t seed) {
+  LandmarkRecording(const LandmarkWorldParameters& p, std::uint64_t seed) {
     LandmarkWorld source(p, seed);
     world = source.world();
     while (auto o = source.next()) {
@@ -68,7 +68,7 @@ void expect_says(const std::string& message, const std::string& what) {
 }
 
 TEST(LandmarkWorld, StreamIsInOrderCountsWithoutGapsAndPassesTheFiltersDoor) {
-  const Recording r(square(), 1);
+  const LandmarkRecording r(square(), 1);
   std::array<std::int64_t, 4> count{};
   for (std::size_t i = 0; i < r.all.size(); ++i) {
     if (i > 0) {
@@ -88,7 +88,7 @@ TEST(LandmarkWorld, StreamIsInOrderCountsWithoutGapsAndPassesTheFiltersDoor) {
 }
 
 TEST(LandmarkWorld, TruthDoesNotDependOnTheSeedAndMeasurementsDo) {
-  const Recording a(square(), 1), b(square(), 2), again(square(), 1);
+  const LandmarkRecording a(square(), 1), b(square(), 2), again(square(), 1);
   ASSERT_EQ(a.truth.size(), b.truth.size());
   for (std::size_t i = 0; i < a.truth.size(); ++i) EXPECT_EQ(a.truth[i].base_in_map, b.truth[i].base_in_map);
   EXPECT_FALSE(a.odometry[0].increment == b.odometry[0].increment);
@@ -103,7 +103,7 @@ TEST(LandmarkWorld, DeadReckoningWithoutNoiseIsTheTruth) {
   p.vehicle.speed_sd = p.vehicle.steering_sd = 0.0;
   p.world.start = {1.0, -2.0, 0.3};
   p.world.loops = 5;
-  const Recording r(p, 1);
+  const LandmarkRecording r(p, 1);
   Pose2 pose = r.world.start_in_map;
   std::size_t scan = 0;
   for (const Odometry& o : r.odometry) {
@@ -146,7 +146,7 @@ TEST(LandmarkWorld, VisibleSetEqualsBruteForce) {
 }
 
 TEST(LandmarkWorld, SeesExactlyWhatIsAhead) {
-  const Recording r(square(), 3);
+  const LandmarkRecording r(square(), 3);
   for (std::size_t i = 0; i < r.scans.size(); ++i) {
     std::vector<std::int64_t> expected, got;
     for (const KnownLandmark& l : r.world.landmarks) {
@@ -159,10 +159,10 @@ TEST(LandmarkWorld, SeesExactlyWhatIsAhead) {
 
 TEST(LandmarkWorld, SchedulesOutliersAndLabelsScaleTheSameDraws) {
   LandmarkWorldParameters p = square();
-  const Recording plain(p, 4);
+  const LandmarkRecording plain(p, 4);
   p.sensor.schedule = {{0.5, 3.0}};
   p.sensor.known_ids = false;
-  const Recording staged(p, 4);
+  const LandmarkRecording staged(p, 4);
   ASSERT_EQ(plain.scans.size(), staged.scans.size());
   for (std::size_t i = 0; i < plain.scans.size(); ++i) {
     const double progress = 8.0 * static_cast<double>(i + 1) / static_cast<double>(plain.odometry.size());
@@ -186,9 +186,9 @@ TEST(LandmarkWorld, SchedulesOutliersAndLabelsScaleTheSameDraws) {
 
 TEST(LandmarkWorld, ClutterLiesAheadAndLeavesTheOtherStreamsAlone) {
   LandmarkWorldParameters p = square();
-  const Recording plain(p, 5);
+  const LandmarkRecording plain(p, 5);
   p.sensor.clutter = 2.0;
-  const Recording cluttered(p, 5);
+  const LandmarkRecording cluttered(p, 5);
   double count = 0.0;
   for (std::size_t i = 0; i < plain.scans.size(); ++i) {
     const auto &a = plain.scans[i].detections, &b = cluttered.scans[i].detections;
@@ -208,7 +208,7 @@ TEST(LandmarkWorld, ClutterLiesAheadAndLeavesTheOtherStreamsAlone) {
 TEST(LandmarkWorld, StrongNoiseYieldsNoRangeThatIsNotPositive) {
   LandmarkWorldParameters p = square();
   p.sensor.range_sd = 20.0;
-  const Recording r(p, 6);
+  const LandmarkRecording r(p, 6);
   for (const LandmarkDetections& scan : r.scans) EXPECT_NO_THROW(check(scan));
 }
 
@@ -232,7 +232,7 @@ TEST(LandmarkWorld, RefusesWhatMakesNoWorld) {
   expect_says(refusal([](P& p) { p.world.waypoints = {{1.2, 0}}; }), "expected a way of at least 8 controls");
   expect_says(refusal([](P& p) { p.sensor.range_sd = 0.0; }), "sensor.range_sd_m: expected a finite number > 0");
   expect_says(refusal([](P& p) { p.world.scale = -1.0; }), "world.scale: expected a finite number > 0");
-  expect_says(refusal([](P& p) { p.vehicle.speed_sd = std::nan(""); }), "vehicle.speed_sd_m_per_s");
+  expect_says(refusal([](P& p) { p.vehicle.speed_sd = kNan; }), "vehicle.speed_sd_m_per_s");
   expect_says(refusal([](P& p) { p.sensor.schedule = {{0.5, 2.0}, {0.2, 1.0}}; }), "stage 2 of the noise schedule");
   expect_says(refusal([](P& p) {
                 p.world.scatter = ScatterParameters{3, 1, {0, 0}, {0, 1}};
@@ -289,7 +289,7 @@ TEST(BaileysMap, OneLapTakes8778ControlsAnd1097Scans) {
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not there";
   LandmarkWorldParameters p;
   p.world.landmark_file = p.world.waypoint_file = file;
-  const Recording r(p, 1);
+  const LandmarkRecording r(p, 1);
   EXPECT_EQ(r.world.landmarks.size(), 35u);
   EXPECT_EQ(r.odometry.size(), 8778u);
   EXPECT_EQ(r.scans.size(), 1097u);

@@ -1,16 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "sim/simulator.hpp"
 #include "unit/sim/heptagon.hpp"
 
 namespace noctule::sim {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string refusal(const WorldParameters& world, const RobotParameters& robot) {
   try {
