@@ -171,7 +171,13 @@ TEST_F(Report, PlotsHaveTheLinesToSeeThemBy) {
   EXPECT_EQ(cost[0].lines.size(), 1u);
   const std::vector<report::Plot> over_time = time_plots(results, "near");
   ASSERT_EQ(over_time.size(), 2u);  // N = 1 and N = 4
-  for (const report::Plot& plot : over_time) EXPECT_EQ(plot.series.size(), 2u) << "the line is in both";
+  for (const report::Plot& plot : over_time) {
+    EXPECT_EQ(plot.series.size(), 2u) << "the line is in both";
+    EXPECT_FALSE(plot.y_logarithmic);
+  }
+  Results wide = results;
+  for (SeriesRow& row : wide.series) row.mean = row.time > 0.0 ? 1e5 : 1.0;
+  EXPECT_TRUE(time_plots(wide, "near")[0].y_logarithmic);
 }
 
 TEST_F(Report, WritesAPageTablesAndFigures) {
