@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "core/limits.hpp"
 #include "core/log_weights.hpp"
 
 namespace noctule::particle {
@@ -17,7 +17,7 @@ Weights::Weights(std::size_t size) : log_(size) {
 void Weights::check(std::span<const double> logs) const {
   if (logs.size() != log_.size()) throw std::invalid_argument("weights: one number per particle needed");
   for (const double v : logs) {
-    if (std::isnan(v) || v == std::numeric_limits<double>::infinity()) {
+    if (std::isnan(v) || v == kInf) {
       throw std::domain_error("weights: a log likelihood is NaN or +inf");
     }
   }
@@ -37,7 +37,7 @@ void Weights::make_uniform() {
 
 void Weights::assign(std::span<const double> log_weights) {
   check(log_weights);
-  if (std::ranges::max(log_weights) == -std::numeric_limits<double>::infinity()) {
+  if (std::ranges::max(log_weights) == -kInf) {
     throw std::domain_error("weights: all are 0");
   }
   std::ranges::copy(log_weights, log_.begin());

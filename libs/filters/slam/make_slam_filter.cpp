@@ -17,6 +17,14 @@ struct FilterOf<ParticleSlamParameters> {
   using type = ParticleSlam;
 };
 template <>
+struct FilterOf<VbParticleSlamParameters> {
+  using type = ParticleSlam;
+};
+template <>
+struct FilterOf<EmParticleSlamParameters> {
+  using type = ParticleSlam;
+};
+template <>
 struct FilterOf<FastSlam1Parameters> {
   using type = FastSlam1;
 };

@@ -1,6 +1,7 @@
 #pragma once
 /// Parameters of the particle SLAM filters.
 #include "core/parameters.hpp"
+#include "filters/noise/parameters.hpp"
 #include "models/ultrasonic.hpp"
 #include "particle/resampling.hpp"
 
@@ -8,7 +9,7 @@ namespace noctule::filters {
 
 /// How one ultrasonic echo is judged.
 struct EchoParameters {
-  models::RangeNoise range_noise;          ///< Gaussian, all that the filter knows of the noise
+  models::RangeNoise range_noise;          ///< nominal: the Gaussian that `noise` is in units of
   double bearing_sd_per_half_angle = 0.5;  ///< sd of the echo's direction about the axis, in half cones
   double clutter_fraction = 0.02;          ///< echoes that come from no landmark ...
   double clutter_range = 4.0;              ///< ... evenly over so many metres and all directions
@@ -119,25 +120,47 @@ struct OffspringTempering {
 /// The fields that all particle filters have.
 template <class P, class Visitor>
 void describe_particles(Visitor& v) {
-  using particle::Resampling;
   v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
-  v.choice("resampling", &P::resampling,
-           Choices<Resampling>{{"systematic", Resampling::systematic},
-                               {"ssp", Resampling::ssp},
-                               {"stratified", Resampling::stratified},
-                               {"multinomial", Resampling::multinomial}},
-           "how particles are redrawn");
+  v.choice("resampling", &P::resampling, particle::resampling_choices(), "how particles are redrawn");
   v.field("resample_below", &P::resample_below, unit::one,
           "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
 }
+
+/// What path() and map() say.
+enum class SmoothPath {
+  none,  ///< the best particle's
+  all    ///< the most likely path and map given everything up to now, found from the best particle's
+};
+
+struct PathSmootherParameters {
+  /// A motion between two observations is taken to err by these standard deviations too, independently: covariances of
+  /// odometry are singular, of a robot at rest 0.
+  double position_floor = 1e-4;  ///< [m]
+  double heading_floor = 1e-5;   ///< [rad]
+  int max_iterations = 50;
+  double tolerance = 1e-3;  ///< converged when a step raises the log likelihood by less than this
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = PathSmootherParameters;
+    v.field("position_floor_cm", &P::position_floor, unit::centimetre,
+            "sd added to each motion between observations, so that a singular covariance has a density", positive());
+    v.field("heading_floor_deg", &P::heading_floor, unit::degree, "the same of the heading", positive());
+    v.field("max_iterations", &P::max_iterations, unit::one, "most iterations", at_least(1));
+    v.field("tolerance", &P::tolerance, unit::one, "least gain of an iteration in log likelihood", positive());
+  }
+};
 
 struct ParticleSlamParameters {
   int particles = 100;
   particle::Resampling resampling = particle::Resampling::systematic;
   double resample_below = 0.5;  ///< resample when the effective sample size falls below this share of the particles
+  NoiseParameters noise;        ///< of echo ranges; one for all rangers
   EchoParameters echo;
   ContourLandmarkParameters contour_landmarks;
   SightingParameters sightings;
+  SmoothPath smooth_path = SmoothPath::none;
+  PathSmootherParameters path_smoother;
   /// Most threads to use; no result depends on it. Not listed below: it belongs to the machine, not to the filter.
   int threads = 1;
 
@@ -145,10 +168,22 @@ struct ParticleSlamParameters {
   static void describe(Visitor& v) {
     using P = ParticleSlamParameters;
     describe_particles<P>(v);
+    v.one_of("noise", &P::noise, {"fixed", "em", "vb"}, "noise of echo ranges: nominal, or learned on the way");
     v.group("echo", &P::echo, "how one ultrasonic echo is judged");
     v.group("contour_landmarks", &P::contour_landmarks, "walls, cylinders and points heard by ultrasound");
     v.group("sightings", &P::sightings, "sightings of point landmarks of unknown identity");
+    v.choice("smooth_path", &P::smooth_path, Choices<SmoothPath>{{"none", SmoothPath::none}, {"all", SmoothPath::all}},
+             "path and map: of the best particle, or smoothed over all observations");
+    v.group("path_smoother", &P::path_smoother, "how they are smoothed");
   }
+};
+
+/// The same filter under the names that comparisons know: noise learned from the start unless told otherwise.
+struct VbParticleSlamParameters : ParticleSlamParameters {
+  VbParticleSlamParameters() { noise = VbNoiseParameters{}; }
+};
+struct EmParticleSlamParameters : ParticleSlamParameters {
+  EmParticleSlamParameters() { noise = EmNoiseParameters{}; }
 };
 
 }  // namespace noctule::filters

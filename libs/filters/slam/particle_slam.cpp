@@ -1,5 +1,8 @@
 #include "filters/slam/particle_slam.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/check.hpp"
 #include "core/error.hpp"
 #include "filters/checks.hpp"
@@ -20,11 +23,16 @@ std::size_t checked_size(const ParticleSlamParameters& parameters, const Pose2& 
 ParticleSlam::ParticleSlam(const ParticleSlamParameters& parameters, std::uint64_t seed, const Pose2& start)
     : parameters_(parameters),
       seed_(seed),
+      noise_(parameters.noise),
       particles_(checked_size(parameters, start), start, {parameters.resampling, parameters.resample_below, {}}, seed,
                  stream_id("particle_slam.resampling")),
       contours_(particles_.size()),
       points_(particles_.size(), parameters.sightings, {}, MapStorage::automatic, parameters.threads),
-      fits_(particles_.size()) {}
+      fits_(particles_.size()) {
+  if (parameters.smooth_path == SmoothPath::all) {
+    smoother_.emplace(parameters.path_smoother, parameters.echo, parameters.contour_landmarks.point_radius_sd, start);
+  }
+}
 
 void ParticleSlam::predict(const Odometry& odometry) {
   check(odometry);
@@ -37,14 +45,25 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   check_order("ultrasonic scan", scan.stamp, last_scan_);
 
   move_particles();
-  const ContourObservation observation(scan, features, stop_, next_id_, parameters_);
+  const auto echoes = static_cast<std::size_t>(
+      std::ranges::count(scan.beams, Echo::hit, [](const UltrasonicBeam& beam) { return beam.echo; }));
+  noise_.begin(echoes);
+  const ContourObservation observation(scan, features, stop_, next_id_, parameters_,
+                                       noise_.adapts() ? &noise_.mixture() : nullptr);
   next_id_ -= static_cast<std::int64_t>(features.features.size());
-  observe(scan.stamp, [&](std::size_t begin, std::size_t end) {
-    std::vector<char> scratch;
-    for (std::size_t i = begin; i < end; ++i) {
-      fits_[i] = observation.apply(particles_.poses()[i], contours_[i], scratch);
-    }
-  });
+  const std::size_t kept = noise_.adapts() ? echoes : 0;
+  residuals_.resize(kept * particles_.size());
+  observe(
+      scan.stamp,
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<char> scratch;
+        for (std::size_t i = begin; i < end; ++i) {
+          fits_[i] = observation.apply(particles_.poses()[i], contours_[i], scratch,
+                                       std::span(residuals_).subspan(i * kept, kept));
+        }
+      },
+      kept);
+  if (smoother_) smoother_->add(scan, noise_.mixture());
 }
 
 void ParticleSlam::update(const LandmarkDetections& detections) {
@@ -75,12 +94,15 @@ void ParticleSlam::move_particles() {
     pose =
         pose * sample(Rng(seed_, stream_id("particle_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i)));
   }
+  if (smoother_) smoother_->add_node(motion);
   proposal_.reset();
 }
 
-void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body) {
+void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body,
+                           std::size_t echoes) {
   particle::for_blocks(particles_.size(), parameters_.threads, body);
   particles_.weigh(fits_);
+  if (echoes > 0) learn_noise(echoes);
   particles_.record(stamp, fits_);
   const auto ancestors = particles_.resample();
   if (ancestors.empty()) return;
@@ -91,7 +113,58 @@ void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::siz
   }
 }
 
+void ParticleSlam::learn_noise(std::size_t echoes) {
+  learned_.clear();
+  const std::vector<double> weights = particles_.weights().linear();
+  double noise = 0.0, heard = 0.0;
+  for (std::size_t s = 0; s < echoes; ++s) {
+    NoiseResidual<1> residual{.weight = 0.0};
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const EchoResidual& r = residuals_[i * echoes + s];
+      if (r.noise <= 0.0) continue;
+      residual.weight += weights[i];
+      residual.mean[0] += weights[i] * r.mean;
+      residual.second_moment(0, 0) += weights[i] * r.second_moment;
+      noise += weights[i] * r.noise;
+    }
+    if (residual.weight < 1e-6) continue;
+    heard += residual.weight;
+    residual.mean /= residual.weight;
+    residual.second_moment /= residual.weight;
+    learned_.push_back(residual);
+  }
+  if (learned_.empty()) return;
+  noise_.learn(learned_);
+  noise_scale_ = std::sqrt(noise / heard);
+}
+
+SlamEstimate ParticleSlam::estimate() const {
+  SlamEstimate estimate = particles_.estimate();
+  estimate.noise_scale = noise_scale_;
+  return estimate;
+}
+
+PathEstimate ParticleSlam::path() const {
+  PathEstimate path = particles_.path();
+  if (const auto smooth = smoothed()) {
+    for (std::size_t k = 0; k < path.poses.size(); ++k) path.poses[k].pose = smooth->poses[k];
+  }
+  return path;
+}
+
+std::optional<SmoothedPath> ParticleSlam::smoothed() const {
+  if (!smoother_) return std::nullopt;
+  std::vector<Pose2> poses;
+  for (const PathPose& pose : particles_.path().poses) poses.push_back(pose.pose);
+  return smoother_->smooth(poses, filtered_map());
+}
+
 LandmarkMap ParticleSlam::map() const {
+  const auto smooth = smoothed();
+  return smooth ? smooth->map : filtered_map();
+}
+
+LandmarkMap ParticleSlam::filtered_map() const {
   LandmarkMap result{particles_.estimate().stamp, {}};
   const std::size_t best = particles_.best();
   for (const ContourLandmark& landmark : contours_[best]) result.landmarks.push_back(landmark.estimate());

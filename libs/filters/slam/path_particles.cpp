@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "particle/pose_apf.hpp"
 
 namespace noctule::filters {
 
@@ -17,6 +20,7 @@ PathParticles::PathParticles(std::size_t size, const Pose2& start, const Resampl
       log_likelihoods_(size),
       linear_(size),
       drawn_with_(size),
+      copy_weights_(size),
       counts_(size),
       ancestors_(size) {
   estimate_.pose = start;
@@ -103,16 +107,22 @@ std::span<const std::uint32_t> PathParticles::resample() {
   if (estimate_.resampled) {
     temper();
     Rng rng(seed_, stream_, step_);
-    resampler_->offspring(drawn_with_, static_cast<std::uint32_t>(n), rng, counts_);
+    resampler_->offspring(drawn_with_, static_cast<std::uint32_t>(n), rng, counts_, copy_weights_);
+    const bool regularised = rule_.method == particle::Resampling::regularised;
+    std::optional<particle::Spread> before;
+    if (regularised) before.emplace(particle::pose_states(std::span<const Pose2>(poses_)), linear_);
     particle::place_in_slots(counts_, ancestors_, free_);
     // Survivors keep their slots, so that none is overwritten before it is copied.
     for (std::size_t i = 0; i < n; ++i) poses_[i] = poses_[ancestors_[i]];
     paths_.resample(ancestors_);
+    if (regularised) particle::regularise(*before, particle::pose_states(std::span<Pose2>(poses_)), rng);
     if (rule_.tempering.movement > 0.0 || rule_.tempering.rotation > 0.0) jitter();
-    if (rule_.tempering.corrected && rule_.tempering.k > 0.0) {
+    const bool corrected = rule_.tempering.corrected && rule_.tempering.k > 0.0;
+    if (corrected || !resampler_->equal_weights()) {
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t a = ancestors_[i];
-        log_likelihoods_[i] = std::log(linear_[a]) - std::log(drawn_with_[a]);
+        log_likelihoods_[i] =
+            std::log(copy_weights_[a]) + (corrected ? std::log(linear_[a]) - std::log(drawn_with_[a]) : 0.0);
       }
       weights_.assign(log_likelihoods_);
     } else {

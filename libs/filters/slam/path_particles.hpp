@@ -76,7 +76,7 @@ class PathParticles {
   std::size_t best_ = 0;
   SlamEstimate estimate_;
   // Scratch, kept so that an observation allocates nothing.
-  std::vector<double> log_likelihoods_, linear_, drawn_with_;
+  std::vector<double> log_likelihoods_, linear_, drawn_with_, copy_weights_;
   std::vector<std::uint32_t> counts_, ancestors_, free_;
 };
 

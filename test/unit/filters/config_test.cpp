@@ -6,6 +6,8 @@
 #include <optional>
 #include <regex>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "filters/slam/make_slam_filter.hpp"
@@ -26,7 +28,9 @@ class Lister {
   Lister(const Object& object, std::vector<Entry>& entries) : object_(object), entries_(entries) {}
   template <class Class, class T>
   void field(const char* key, T Class::*member, Unit unit, const char*, Range) {
-    entries_.push_back({key, static_cast<double>(object_.*member) / unit.to_si});
+    double value = 0.0;  // of lists
+    if constexpr (std::is_arithmetic_v<T>) value = static_cast<double>(object_.*member) / unit.to_si;
+    entries_.push_back({key, value});
   }
   template <class Class>
   void field(const char* key, bool Class::*, const char*) {
@@ -35,6 +39,18 @@ class Lister {
   template <class Class, class Enum>
   void choice(const char* key, Enum Class::*, const Choices<Enum>&, const char*) {
     entries_.push_back({key, 0.0});
+  }
+  template <class Class, class... Alternatives>
+  void one_of(const char* key, std::variant<Alternatives...> Class::*member, const std::vector<std::string>&,
+              const char*) {
+    entries_.push_back({key, 0.0});
+    entries_.push_back({"type", 0.0});
+    std::visit(
+        [&]<class Alternative>(const Alternative& alternative) {
+          Lister<Alternative> inner(alternative, entries_);
+          Alternative::describe(inner);
+        },
+        object_.*member);
   }
   template <class Class, class Group>
   void group(const char* key, Group Class::*member, const char*) {

@@ -51,7 +51,7 @@ class SlamModuleTest : public ::testing::Test {
  protected:
   SlamModuleTest() {
     SlamModuleParameters parameters;
-    parameters.filter = filters::ParticleSlamParameters{.particles = 20};
+    std::get<filters::ParticleSlamParameters>(parameters.filter).particles = 20;
     module_ = std::make_unique<SlamModule>(bus_, parameters, SlamInput{}, 1, Pose2{});
   }
   void o(std::int64_t seq) { send("ODOMETRY", convert::to_message(motion(seq))); }
@@ -137,6 +137,29 @@ TEST_F(SlamModuleTest, TheLastScanIsNotForgotten) {
   o(0), s(0);
   EXPECT_EQ(dropped(), 1);
   EXPECT_EQ(estimates_.all.size(), 1u);
+}
+
+TEST(SlamModule, LearnedNoiseDoesNotHideInnovationsFarAboveTheConfiguredNoise) {
+  for (const double error : {0.0, 0.06}) {
+    bus::Bus bus;
+    Heard<module_status> statuses(bus, "MODULE_STATUS");
+    SlamModuleParameters parameters;
+    filters::VbParticleSlamParameters filter;
+    filter.particles = 20;
+    parameters.filter = filter;
+    SlamModule module(bus, parameters, SlamInput{}, 1, Pose2{});
+    for (std::int64_t i = 0; i < 16; ++i) {
+      auto heard = scan(i);
+      heard.beams[0].range += i % 2 == 0 ? error : -error;
+      bus.publish("ODOMETRY", convert::to_message(motion(i)));
+      bus.publish("ULTRASONIC_SCAN", convert::to_message(heard));
+      bus.publish("CONTOUR_FEATURES", convert::to_message(features(i)));
+    }
+    bus.drain();
+    module.finish();
+    bus.drain();
+    EXPECT_EQ(statuses.all.back().warning.find("innovations") != std::string::npos, error > 0.0) << error;
+  }
 }
 
 }  // namespace
