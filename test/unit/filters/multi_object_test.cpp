@@ -98,7 +98,7 @@ TEST(GnnTracker, RefusesNumbersThatAreNotFiniteAndStaysAsItWas) {
 }
 
 /// A robot on a circle, four landmarks, exact or noisy.
-struct Drive {
+struct SensorDrive {
   std::vector<KnownLandmark> map{{1, {5.0, 0.0}}, {2, {0.0, 7.0}}, {3, {-5.0, 3.0}}, {4, {0.0, -4.0}}};
   Matrix3 odometry = Vector3(1e-4, 1e-4, 4e-4).asDiagonal();
   Matrix2 sighting = Vector2(0.01, 0.001).asDiagonal();
@@ -134,7 +134,7 @@ struct Drive {
 };
 
 TEST(EkfLocalisation, IsConsistentAndNeedsNoIdentitiesWhereLandmarksStandApart) {
-  const Drive drive;
+  const SensorDrive drive;
   double sum = 0.0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const std::vector<double> named = drive.nees(seed, true), anonymous = drive.nees(seed, false);
@@ -146,7 +146,7 @@ TEST(EkfLocalisation, IsConsistentAndNeedsNoIdentitiesWhereLandmarksStandApart) 
 }
 
 TEST(EkfLocalisation, GrossErrorsAndStrangersAreDropped) {
-  const Drive drive;
+  const SensorDrive drive;
   EkfLocalisation filter(drive.map, {});
   filter.predict({{}, {}, drive.odometry});
   LandmarkDetections message{{}, {}, {}};

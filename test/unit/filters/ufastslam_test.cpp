@@ -81,7 +81,7 @@ TEST(PsoUFastSlam, WeighedByImportanceItSamplesThePosteriorOfTheProposal) {
     filter->update(one(1, 4.75, 0.31, Vector2(4e-4, 1e-4).asDiagonal().toDenseMatrix()));
   }
   const auto a = swarm.estimate(), b = plain.estimate();
-  const double effective = swarm.particles(p.particles).particles.size() * 0.2;
+  const double effective = 0.2 * p.particles;
   for (int i = 0; i < 3; ++i) {
     const double sd = std::sqrt(b.covariance(i, i));
     EXPECT_NEAR(difference(a.pose, b.pose)[i], 0.0, 5.0 * sd / std::sqrt(effective));
