@@ -10,6 +10,7 @@
 #include "core/limits.hpp"
 #include "experiment/contour_room.hpp"
 #include "experiment/csv.hpp"
+#include "experiment/growth_model.hpp"
 #include "experiment/landmark_world.hpp"
 
 namespace noctule::experiment {
@@ -64,9 +65,10 @@ std::string Experiment::validate() const {
 
 std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "contour_room") return std::make_unique<ContourRoom>(spec);
+  if (spec.kind == "growth_model") return std::make_unique<GrowthModelRuns>(spec);
   if (spec.kind == "landmark_world") return std::make_unique<LandmarkWorld>(spec);
-  throw InputError("scenario '" + spec.name + "': kind: expected one of contour_room, landmark_world, got '" +
-                   spec.kind + "'");
+  throw InputError("scenario '" + spec.name +
+                   "': kind: expected one of contour_room, growth_model, landmark_world, got '" + spec.kind + "'");
 }
 
 std::vector<FilterSpec> expand(std::span<const FilterSpec> families) {

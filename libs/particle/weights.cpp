@@ -31,6 +31,13 @@ void Weights::make_uniform() {
   std::ranges::fill(log_, -std::log(static_cast<double>(log_.size())));
 }
 
+void Weights::inherit(std::span<const std::uint32_t> ancestors, std::span<const double> copy_weights) {
+  if (ancestors.empty()) throw std::invalid_argument("weights: at least one particle is needed");
+  log_.resize(ancestors.size());
+  std::ranges::transform(ancestors, log_.begin(), [&](std::uint32_t a) { return std::log(copy_weights[a]); });
+  normalise_log_weights(log_);
+}
+
 std::vector<double> Weights::linear() const {
   std::vector<double> w(log_.size());
   std::ranges::transform(log_, w.begin(), [](double v) { return std::exp(v); });

@@ -21,6 +21,11 @@ class Weights {
   /// All 1/N, as after resampling.
   void make_uniform();
 
+  /// After resampling with unequal weights: slot m weighs copy_weights[ancestors[m]], normalised. The number of
+  /// particles may change.
+  /// \param ancestors at least one \param copy_weights as Resampler::offspring gives them
+  void inherit(std::span<const std::uint32_t> ancestors, std::span<const double> copy_weights);
+
   [[nodiscard]] std::span<const double> log() const { return log_; }
   /// The N weights themselves, sum 1.
   [[nodiscard]] std::vector<double> linear() const;

@@ -99,14 +99,8 @@ struct ParticleSlamParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = ParticleSlamParameters;
-    using particle::Resampling;
     v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
-    v.choice("resampling", &P::resampling,
-             Choices<Resampling>{{"systematic", Resampling::systematic},
-                                 {"ssp", Resampling::ssp},
-                                 {"stratified", Resampling::stratified},
-                                 {"multinomial", Resampling::multinomial}},
-             "how particles are redrawn");
+    v.choice("resampling", &P::resampling, particle::resampling_choices(), "how particles are redrawn");
     v.field("resample_below", &P::resample_below, unit::one,
             "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
     v.group("echo", &P::echo, "how one ultrasonic echo is judged");

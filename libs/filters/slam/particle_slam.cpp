@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "filters/checks.hpp"
 #include "particle/parallel.hpp"
+#include "particle/pose_apf.hpp"
 
 namespace noctule::filters {
 namespace {
@@ -135,8 +136,10 @@ void ParticleSlam::note_estimate(const Stamp& stamp, std::span<const double> wei
 void ParticleSlam::resample(std::span<const double> weights) {
   const std::size_t n = poses_.size();
   std::vector<std::uint32_t> counts(n), ancestors(n);
+  std::vector<double> copy_weights(n);
   Rng rng(seed_, stream_id("particle_slam.resampling"), step_);
-  resampler_->offspring(weights, static_cast<std::uint32_t>(n), rng, counts);
+  resampler_->offspring(weights, static_cast<std::uint32_t>(n), rng, counts, copy_weights);
+  const particle::Spread before(particle::pose_states(std::span<const Pose2>(poses_)), weights);
   particle::place_in_slots(counts, ancestors);
   // Survivors keep their slots, so that none is overwritten before it is copied.
   for (std::size_t i = 0; i < n; ++i) {
@@ -144,8 +147,15 @@ void ParticleSlam::resample(std::span<const double> weights) {
     poses_[i] = poses_[ancestors[i]];
     maps_[i] = maps_[ancestors[i]];
   }
+  if (parameters_.resampling == particle::Resampling::regularised) {
+    particle::regularise(before, particle::pose_states(std::span<Pose2>(poses_)), rng);
+  }
   paths_.resample(ancestors);
-  weights_.make_uniform();
+  if (resampler_->equal_weights()) {
+    weights_.make_uniform();
+  } else {
+    weights_.inherit(ancestors, copy_weights);
+  }
   if (counts[best_] == 0) {
     for (std::size_t i = 0; i < n; ++i) {
       if (counts[i] > 0 && (counts[best_] == 0 || weights[i] > weights[best_])) best_ = i;

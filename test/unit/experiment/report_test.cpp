@@ -115,6 +115,24 @@ TEST_F(Report, ComparesWithTheFirstFilterAtEqualParameters) {
   }
 }
 
+TEST(StandardComparisons, FurtherParametersOfAFilterDoNotChangeWhomItMeets) {
+  Results results;
+  results.experiment.scenarios = {{"near", "fake", {}}};
+  results.experiment.filters = {{"pf", Role::compared, {}, {}, {}}, {"apf", Role::compared, {}, {}, {}}};
+  for (const auto& [filter, parameters] :
+       {std::pair("pf", "N=20;q=1"), std::pair("pf", "N=50;q=1"), std::pair("apf", "N=50;q=1;split=half"),
+        std::pair("apf", "N=50;q=1"), std::pair("apf", "N=99;q=1")}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      results.runs.push_back({"near", filter, parameters, seed, "error", "m", static_cast<double>(seed), false});
+    }
+  }
+  const std::vector<Comparison> all = standard_comparisons(results);
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[0].against.parameters, "N=50;q=1");
+  EXPECT_EQ(all[1].against.parameters, "N=50;q=1");
+  EXPECT_EQ(all[2].against.parameters, "N=20;q=1");  // none matches: the first
+}
+
 TEST_F(Report, ASingleFilterIsComparedWithItsFirstParameters) {
   const std::vector<Comparison> all = standard_comparisons(results_of({"filters[1].role=baseline", "metrics=[error]"}));
   ASSERT_EQ(all.size(), 2u);

@@ -49,5 +49,17 @@ TEST(Weights, RefuseNotANumber) {
   EXPECT_THROW(Weights(0), std::invalid_argument);
 }
 
+TEST(Weights, InheritedOnesFollowTheAncestors) {
+  Weights weights(2);
+  const std::vector<std::uint32_t> ancestors{1, 1, 0, 1};
+  const std::vector<double> copy_weights{0.4, 0.2};
+  weights.inherit(ancestors, copy_weights);
+  const std::vector<double> w = weights.linear();
+  ASSERT_EQ(w.size(), 4u);
+  EXPECT_NEAR(w[0], 0.2, 1e-15);
+  EXPECT_NEAR(w[2], 0.4, 1e-15);
+  EXPECT_THROW(weights.inherit({}, copy_weights), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace noctule::particle
