@@ -84,13 +84,12 @@ std::vector<Stop> drive_round(int stops) {
 
 /// Whole runs of 60 stops: motion, association, updates, weights, resampling, estimate. CPU time is that of all
 /// threads.
-void particle_slam(benchmark::State& state) {
+void run_filter(benchmark::State& state, filters::ParticleSlamParameters parameters) {
   const auto stops = drive_round(60);
   double echoes = 0.0;
   for (const Stop& stop : stops) {
     for (const auto& beam : stop.scan.beams) echoes += beam.echo == Echo::hit;
   }
-  filters::ParticleSlamParameters parameters;
   parameters.particles = static_cast<int>(state.range(0));
   parameters.threads = static_cast<int>(state.range(1));
   std::size_t landmarks = 0;
@@ -108,6 +107,10 @@ void particle_slam(benchmark::State& state) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   state.counters["landmarks"] = static_cast<double>(landmarks);
 }
+
+void particle_slam(benchmark::State& state) {
+  run_filter(state, {});
+}
 BENCHMARK(particle_slam)
     ->ArgNames({"particles", "threads"})
     ->Args({20, 1})
@@ -117,6 +120,31 @@ BENCHMARK(particle_slam)
     ->Args({1000, 2})
     ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);
+
+/// The same, learning the noise.
+void particle_slam_learning(benchmark::State& state) {
+  run_filter(state, filters::VbParticleSlamParameters());
+}
+BENCHMARK(particle_slam_learning)
+    ->ArgNames({"particles", "threads"})
+    ->Args({20, 1})
+    ->Args({100, 1})
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+
+/// Smoothing the path of so many stops once.
+void path_smoothing(benchmark::State& state) {
+  filters::ParticleSlamParameters parameters;
+  parameters.particles = 20;
+  parameters.smooth_path = filters::SmoothPath::all;
+  filters::ParticleSlam filter(parameters, 1, {0.0, -1.2, 0.0});
+  for (const Stop& stop : drive_round(static_cast<int>(state.range(0)))) {
+    filter.predict(stop.odometry);
+    filter.update(stop.scan, stop.features);
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(filter.smoothed());
+}
+BENCHMARK(path_smoothing)->ArgName("stops")->Arg(60)->Arg(600)->Unit(benchmark::kMillisecond);
 
 /// The reference: predicted range and bearing, 2 x 2 innovation covariance by hand, gain, update and log likelihood of
 /// `range(0)` particles times 10 landmarks; no particles, no association.

@@ -22,32 +22,33 @@ class Checker {
  public:
   Checker(const T& object, std::string prefix) : object_(object), prefix_(std::move(prefix)) {}
 
-  template <class Member>
-  void field(const char* key, Member T::*member, const Unit& unit, const char*, const Range& range = {}) {
+  template <class Class, class Member>
+  void field(const char* key, Member Class::*member, const Unit& unit, const char*, const Range& range = {}) {
     check(key, object_.*member, unit, range);
   }
-  template <class Member>
-  void field(const char* key, Member T::*member, const char*) {
+  template <class Class, class Member>
+  void field(const char* key, Member Class::*member, const char*) {
     check(key, object_.*member, unit::one, {});
   }
-  template <class Enum>
-  void choice(const char*, Enum T::*, const Choices<Enum>&, const char*) {}
-  template <class Member>
-  void group(const char* key, Member T::*member, const char*) {
+  template <class Class, class Enum>
+  void choice(const char*, Enum Class::*, const Choices<Enum>&, const char*) {}
+  template <class Class, class Member>
+  void group(const char* key, Member Class::*member, const char*) {
     nested(key, object_.*member);
   }
-  template <class Member>
-  void group(const char* key, std::optional<Member> T::*member, const char*) {
+  template <class Class, class Member>
+  void group(const char* key, std::optional<Member> Class::*member, const char*) {
     if (object_.*member) nested(key, *(object_.*member));
   }
-  template <class Member>
-  void list(const char* key, std::vector<Member> T::*member, const char*) {
+  template <class Class, class Member>
+  void list(const char* key, std::vector<Member> Class::*member, const char*) {
     const auto& items = object_.*member;
     for (std::size_t i = 0; i < items.size(); ++i) nested(std::string(key) + "[" + std::to_string(i) + "]", items[i]);
   }
 
-  template <class... Alternatives>
-  void one_of(const char* key, std::variant<Alternatives...> T::*member, const std::vector<std::string>&, const char*) {
+  template <class Class, class... Alternatives>
+  void one_of(const char* key, std::variant<Alternatives...> Class::*member, const std::vector<std::string>&,
+              const char*) {
     std::visit([&](const auto& alternative) { nested(key, alternative); }, object_.*member);
   }
 

@@ -120,7 +120,7 @@ std::vector<eval::Metric> figures(const Result& result, const Stream& stream, co
 ContourRoom::ContourRoom(const ScenarioSpec& spec) : parameters_(config::load<ContourRoomParameters>(spec.config)) {}
 
 std::vector<std::string> ContourRoom::filters() const {
-  return {"pf", "known_pose", "dead_reckoning"};
+  return {"pf", "vb_pf", "em_pf", "known_pose", "dead_reckoning"};
 }
 
 std::vector<std::string> ContourRoom::metrics() const {

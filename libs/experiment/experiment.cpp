@@ -12,6 +12,8 @@
 #include "experiment/csv.hpp"
 #include "experiment/growth_model.hpp"
 #include "experiment/landmark_world.hpp"
+#include "experiment/recorded_landmarks.hpp"
+#include "experiment/rfs_scene.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -67,8 +69,12 @@ std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "contour_room") return std::make_unique<ContourRoom>(spec);
   if (spec.kind == "growth_model") return std::make_unique<GrowthModelRuns>(spec);
   if (spec.kind == "landmark_world") return std::make_unique<LandmarkWorld>(spec);
+  if (spec.kind == "recorded_landmarks") return std::make_unique<RecordedLandmarks>(spec);
+  if (spec.kind == "rfs_scene") return std::make_unique<RfsScene>(spec);
   throw InputError("scenario '" + spec.name +
-                   "': kind: expected one of contour_room, growth_model, landmark_world, got '" + spec.kind + "'");
+                   "': kind: expected contour_room, growth_model, landmark_world, recorded_landmarks or rfs_scene, "
+                   "got '" +
+                   spec.kind + "'");
 }
 
 std::vector<FilterSpec> expand(std::span<const FilterSpec> families) {

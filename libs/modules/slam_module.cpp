@@ -7,6 +7,14 @@
 #include "noctule/ultrasonic_scan.hpp"
 
 namespace noctule::modules {
+namespace {
+
+/// Learned noise explains any innovation away. Those under the configured noise are watched, therefore: so large (the
+/// mean per degree of freedom is 1), so many observations in a row, they are reported.
+constexpr double kSurprisingNis = 4.0;
+constexpr int kSurprises = 5;
+
+}  // namespace
 
 SlamModule::SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, const SlamInput& input,
                        std::uint64_t seed, const Pose2& start, int threads)
@@ -71,6 +79,12 @@ void SlamModule::process(const Input& input, const ContourFeatures& features) {
 void SlamModule::publish_estimate() {
   const SlamEstimate estimate = filter_->estimate();
   publish(bus::channel::kSlamEstimate, estimate);
+  surprises_ = estimate.nis > kSurprisingNis ? surprises_ + 1 : 0;
+  if (surprises_ == kSurprises) {
+    warn("innovations are far above the configured noise (NIS " + std::to_string(estimate.nis) +
+         "); the filter takes the noise to be " + std::to_string(estimate.noise_scale) +
+         " times as large: either it is, or the pose or the map is wrong");
+  }
   if (parameters_.particles_shown > 0) {
     publish(bus::channel::kSlamParticles, filter_->particles(parameters_.particles_shown));
   }

@@ -34,6 +34,9 @@ SourcePointer open(const datasets::RawlogParameters& p, std::uint64_t) {
 SourcePointer open(const datasets::UltrasonicRoomsParameters& p, std::uint64_t) {
   return std::make_unique<datasets::UltrasonicRooms>(p);
 }
+SourcePointer open(const datasets::VictoriaParkParameters& p, std::uint64_t) {
+  return std::make_unique<datasets::VictoriaPark>(p);
+}
 
 std::vector<std::string> notes_of(const ObservationSource& source) {
   const auto* recorded = dynamic_cast<const datasets::RecordedSource*>(&source);

@@ -300,10 +300,11 @@ std::unique_ptr<const Resampler> make_resampler(Resampling method) {
   throw std::invalid_argument("resampling: unknown method");
 }
 
-void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32_t> ancestors) {
+void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32_t> ancestors,
+                    std::vector<std::uint32_t>& free) {
   // The dead are listed without a branch: who survives is as unpredictable as it can be.
   const std::size_t slots = ancestors.size(), kept = std::min(slots, counts.size());
-  std::vector<std::uint32_t> free(slots + 1);
+  free.resize(slots + 1);
   std::size_t dead = 0;
   for (std::size_t i = 0; i < slots; ++i) {
     ancestors[i] = free[dead] = static_cast<std::uint32_t>(i);
@@ -315,6 +316,11 @@ void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32
       ancestors[free[next++]] = static_cast<std::uint32_t>(i);
     }
   }
+}
+
+void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32_t> ancestors) {
+  std::vector<std::uint32_t> free;
+  place_in_slots(counts, ancestors, free);
 }
 
 std::uint32_t remove_duplicates(std::uint32_t copies, Counts counts) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/parameters.hpp"
 #include "core/rng.hpp"
@@ -99,6 +100,9 @@ enum class Resampling : std::int8_t {
 /// wherever i < M and counts[i] > 0; further copies fill the slots of the dead, in order.
 /// \param counts N numbers of offspring, sum M
 /// \param[out] ancestors M indices into the old particles
+/// \param free scratch
+void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32_t> ancestors,
+                    std::vector<std::uint32_t>& free);
 void place_in_slots(std::span<const std::uint32_t> counts, std::span<std::uint32_t> ancestors);
 
 /// Takes `copies` copies away, one by one from the particle that has most (the first among equals), never the last one.

@@ -5,21 +5,13 @@
 
 #include "core/limits.hpp"
 #include "core/log_weights.hpp"
+#include "filters/slam/directions.hpp"
 
 namespace noctule::filters {
 namespace {
 
 /// Log of 1 / (2 pi), the top of a Gaussian of two numbers of unit variance.
 const double kLogTop = -std::log(kTwoPi);
-
-/// Angle from one unit vector to another [rad]. Where it is small, as nearly always, by the series of the arc sine,
-/// which is accurate to 4e-7 there and much faster than an arc tangent.
-double angle_between(const Vector2& from, const Vector2& to) {
-  const double cosine = from.dot(to), sine = from.x() * to.y() - from.y() * to.x();
-  if (cosine < 0.9) return std::atan2(sine, cosine);
-  const double s2 = sine * sine;
-  return sine * (1.0 + s2 * (1.0 / 6 + s2 * (3.0 / 40 + s2 * (5.0 / 112 + s2 * (35.0 / 1152 + s2 * 63.0 / 2816)))));
-}
 
 /// Range part of the innovation of an echo.
 template <class Hypothesis>
@@ -39,14 +31,14 @@ struct RangeInnovation {
 /// The whole innovation (range, direction) with its covariance S, 2 x 2 and written out: this is the innermost of all
 /// loops.
 template <class Hypothesis>
-struct Innovation {
+struct EchoInnovation {
   RangeInnovation<Hypothesis> range;
   double direction;
   VectorD<Hypothesis::kSize> cross;  // covariance of the parameters with the predicted direction
   double covariance, variance;       // S of range and direction, and of direction
   double determinant;
 
-  Innovation(const Hypothesis& h, const PlacedEcho& e) : range(h, e) {
+  EchoInnovation(const Hypothesis& h, const PlacedEcho& e) : range(h, e) {
     const auto& slope = range.predicted.direction_slope;
     direction = angle_between(range.predicted.direction, e.axis);
     cross = h.covariance * slope;
@@ -70,17 +62,57 @@ bool may_explain(const Hypothesis& h, const PlacedEcho& e) {
   return i.value * i.value <= e.gate2 * i.variance;
 }
 
+/// The range given the direction, in units of its nominal sd: where a learned noise is looked up.
+struct ScaledRange {
+  VectorD<1> value;  // innovation
+  MatrixD<1> extra;  // its variance without the noise
+  template <class Hypothesis>
+  ScaledRange(const EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
+    const double slope = i.covariance / i.variance;
+    value[0] = (i.range.value - slope * i.direction) / std::sqrt(e.range_variance);
+    extra(0, 0) = std::max((i.range.variance - slope * i.covariance) / e.range_variance - 1.0, 0.0);
+  }
+};
+
 template <class Hypothesis>
 double log_density(const Hypothesis& h, const PlacedEcho& e) {
   if (!h.in_view(e)) return -kInf;
-  const Innovation<Hypothesis> i(h, e);
-  return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
+  const EchoInnovation<Hypothesis> i(h, e);
+  if (e.noise == nullptr) return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
+  const ScaledRange range(i, e);
+  return e.noise->log_density(range.value, range.extra) -
+         0.5 * (i.direction * i.direction / i.variance + std::log(kTwoPi * i.variance * e.range_variance));
+}
+
+/// Puts into the innovation of the range what the learned noise says of this very echo: its bias and variance.
+/// \return with the moments of the range's residual after the update: with y = S^-1 innovation, the residual is bias +
+/// R y and the predicted range keeps the variance R - R S^-1 R
+template <class Hypothesis>
+AssimilatedEcho make_innovation_effective(EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
+  AssimilatedEcho result;
+  result.nis = i.distance2();
+  const ScaledRange range(i, e);
+  const auto noise = e.noise->effective(range.value, range.extra);
+  result.noise = noise.covariance(0, 0);
+  const double sd = std::sqrt(e.range_variance), variance = result.noise * e.range_variance;
+  i.range.value -= noise.bias[0] * sd;
+  i.range.variance += variance - e.range_variance;
+  i.determinant = i.range.variance * i.variance - i.covariance * i.covariance;
+  const double y = (i.variance * i.range.value - i.covariance * i.direction) / i.determinant;
+  const double residual = noise.bias[0] + variance * y / sd;
+  result.residual.mean[0] = residual;
+  result.residual.second_moment(0, 0) =
+      residual * residual + result.noise * (1.0 - variance * i.variance / i.determinant);
+  return result;
 }
 
 /// Kalman update, P -= P H' S^-1 H P: with noises as large as these the result is far from indefinite.
 template <class Hypothesis>
-double update(Hypothesis& h, const PlacedEcho& e) {
-  const Innovation<Hypothesis> i(h, e);
+AssimilatedEcho update(Hypothesis& h, const PlacedEcho& e) {
+  EchoInnovation<Hypothesis> i(h, e);
+  AssimilatedEcho result;
+  result.nis = i.distance2();
+  if (e.noise != nullptr) result = make_innovation_effective(i, e);
   using Gain = VectorD<Hypothesis::kSize>;
   const Gain by_range = (i.variance * i.range.cross - i.covariance * i.cross) / i.determinant;
   const Gain by_direction = (i.range.variance * i.cross - i.covariance * i.range.cross) / i.determinant;
@@ -88,7 +120,7 @@ double update(Hypothesis& h, const PlacedEcho& e) {
   h.covariance -= by_range * i.range.cross.transpose() + by_direction * i.cross.transpose();
   symmetrise(h.covariance);
   h.refresh();
-  return i.distance2();
+  return result;
 }
 
 template <class Hypothesis>
@@ -153,8 +185,8 @@ double ContourLandmark::log_likelihood_in_view(const PlacedEcho& echo) const {
   return log_add_exp(log_ratio_ + log_density(wall_, echo), log_density(circle_, echo)) - log_add_exp(log_ratio_, 0.0);
 }
 
-double ContourLandmark::assimilate(const PlacedEcho& echo, double log_clutter, int stop,
-                                   const ContourLandmarkParameters& parameters) {
+AssimilatedEcho ContourLandmark::assimilate(const PlacedEcho& echo, double log_clutter, int stop,
+                                            const ContourLandmarkParameters& parameters) {
   ++observations_;
   if (seen_at_ != stop) ++stops_seen_;
   seen_at_ = stop;
@@ -162,17 +194,17 @@ double ContourLandmark::assimilate(const PlacedEcho& echo, double log_clutter, i
   if (kind_ != LandmarkKind::undecided) return update(circle_, echo);
 
   const double wall = log_density(wall_, echo), circle = log_density(circle_, echo);
-  double nis = 0.0;
-  if (wall > log_clutter) nis = update(wall_, echo);
+  AssimilatedEcho result;
+  if (wall > log_clutter) result = update(wall_, echo);
   if (circle > log_clutter) {
-    const double circle_nis = update(circle_, echo);
-    if (circle >= wall) nis = circle_nis;
+    const AssimilatedEcho by_circle = update(circle_, echo);
+    if (circle >= wall) result = by_circle;
   }
   log_ratio_ += std::max(wall, log_clutter) - std::max(circle, log_clutter);
   if (stops_seen_ >= parameters.decide_stops && std::abs(log_ratio_) >= parameters.decide_log_ratio) {
     kind_ = log_ratio_ > 0.0 ? LandmarkKind::wall : LandmarkKind::cylinder;
   }
-  return nis;
+  return result;
 }
 
 bool ContourLandmark::expects_near(const PlacedEcho& echo, double separation) const {

@@ -8,7 +8,9 @@
 #include "core/estimate.hpp"
 #include "core/features.hpp"
 #include "core/gaussian.hpp"
+#include "filters/noise/noise_residual.hpp"
 #include "filters/slam/parameters.hpp"
+#include "models/noise_mixture.hpp"
 
 namespace noctule::filters {
 
@@ -22,6 +24,15 @@ struct PlacedEcho {
   double bearing_variance = 0.0;  ///< of the true direction about the axis [rad^2]
   /// Squared normalised innovation beyond which no landmark, however certain, explains it better than clutter does.
   double gate2 = std::numeric_limits<double>::infinity();
+  /// Of the range, in units of its nominal sd; none: Gaussian with the nominal variance.
+  const models::NoiseMixture<1>* noise = nullptr;
+};
+
+/// What became of an echo that a landmark took in.
+struct AssimilatedEcho {
+  double nis = 0.0;           ///< squared normalised innovation under the nominal noise, 2 degrees of freedom
+  NoiseResidual<1> residual;  ///< of the range, in units of its nominal sd; only where PlacedEcho::noise is given
+  double noise = 1.0;         ///< variance of the range that the gain was made of, in units of the nominal one
 };
 
 /// Echo of a hypothesis with D parameters as a sensor should hear it, with derivatives by the parameters
@@ -97,8 +108,9 @@ class ContourLandmark {
 
   /// Takes in an echo that this landmark explains better than clutter does. While the type is open, each hypothesis
   /// takes it unless clutter explains it better than that hypothesis, and the type is decided when it can be.
-  /// \return the squared normalised innovation of the better hypothesis, 2 degrees of freedom
-  double assimilate(const PlacedEcho& echo, double log_clutter, int stop, const ContourLandmarkParameters& parameters);
+  /// \return of the better hypothesis
+  AssimilatedEcho assimilate(const PlacedEcho& echo, double log_clutter, int stop,
+                             const ContourLandmarkParameters& parameters);
 
   /// Whether an echo of this landmark is expected within `separation` [m] of the given one, in view.
   [[nodiscard]] bool expects_near(const PlacedEcho& echo, double separation) const;

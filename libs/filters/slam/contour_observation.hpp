@@ -6,30 +6,35 @@
 #include "core/features.hpp"
 #include "filters/slam/contour_landmark.hpp"
 #include "filters/slam/parameters.hpp"
+#include "filters/slam/path_particles.hpp"
 
 namespace noctule::filters {
 
-/// What a scan says about a particle.
-struct ObservationFit {
-  double log_likelihood = 0.0;
-  double nis = 0.0;            ///< sum of the squared normalised innovations ...
-  int degrees_of_freedom = 0;  ///< ... and how many numbers they came from
+/// What the learning of noise takes from one echo and one particle.
+struct EchoResidual {
+  double mean = 0.0, second_moment = 0.0;  ///< see NoiseResidual
+  double noise = 0.0;                      ///< variance the gain was made of; 0: clutter
 };
 
 class ContourObservation {
  public:
+  /// \param noise of ranges, to outlive this object; none: Gaussian with the nominal variance
   /// \param stop number of the stop the scan was taken at
   /// \param first_id identity of the first feature's landmark, should it become one; the k-th gets first_id - k
   /// The scan and the features are checked already and must outlive this object.
   ContourObservation(const UltrasonicScan& scan, const ContourFeatures& features, int stop, std::int64_t first_id,
-                     const ParticleSlamParameters& parameters);
+                     const ParticleSlamParameters& parameters, const models::NoiseMixture<1>* noise = nullptr);
+
+  [[nodiscard]] std::size_t echoes() const { return pings_.size(); }
 
   /// Gives each echo to the landmark that explains it best, or to clutter; each enters at most one landmark, once.
   /// Then starts landmarks from those features whose echoes of this scan are mostly unexplained and that lie apart from
   /// all known ones, and gives them these echoes. Removes landmarks that failed.
   /// \param base pose of the particle in the map
   /// \param explained scratch
-  ObservationFit apply(const Pose2& base, std::vector<ContourLandmark>& map, std::vector<char>& explained) const;
+  /// \param residuals one per echo, filled where the noise is learned; else empty
+  ObservationFit apply(const Pose2& base, std::vector<ContourLandmark>& map, std::vector<char>& explained,
+                       std::span<EchoResidual> residuals = {}) const;
 
  private:
   struct Ping {
@@ -54,9 +59,11 @@ class ContourObservation {
   /// Whether a landmark is expected near the feature's surface, whatever the noise made of its echoes.
   [[nodiscard]] bool is_known(const ContourFeature& feature, const Frame& frame,
                               const std::vector<ContourLandmark>& map) const;
-  void start_landmarks(const Frame& frame, std::vector<ContourLandmark>& map, std::vector<char>& explained) const;
+  void start_landmarks(const Frame& frame, std::vector<ContourLandmark>& map, std::vector<char>& explained,
+                       std::span<EchoResidual> residuals) const;
 
   const ParticleSlamParameters& parameters_;
+  const models::NoiseMixture<1>* noise_;
   int stop_;
   double bearing_variance_;
   double gate_cosine_;

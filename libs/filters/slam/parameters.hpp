@@ -1,6 +1,7 @@
 #pragma once
 /// Parameters of the particle SLAM filters.
 #include "core/parameters.hpp"
+#include "filters/noise/parameters.hpp"
 #include "models/ultrasonic.hpp"
 #include "particle/resampling.hpp"
 
@@ -8,7 +9,7 @@ namespace noctule::filters {
 
 /// How one ultrasonic echo is judged.
 struct EchoParameters {
-  models::RangeNoise range_noise;          ///< Gaussian, all that the filter knows of the noise
+  models::RangeNoise range_noise;          ///< nominal: the Gaussian that `noise` is in units of
   double bearing_sd_per_half_angle = 0.5;  ///< sd of the echo's direction about the axis, in half cones
   double clutter_fraction = 0.02;          ///< echoes that come from no landmark ...
   double clutter_range = 4.0;              ///< ... evenly over so many metres and all directions
@@ -65,8 +66,14 @@ struct ContourLandmarkParameters {
   }
 };
 
+enum class Matching : std::int8_t {
+  likelihood,  ///< all sightings of a message at once, each landmark at most once: the most likely assignment
+  nearest      ///< each sighting for itself, to the landmark that makes it most likely
+};
+
 /// Sightings of point landmarks whose identity the sensor does not know.
 struct SightingParameters {
+  Matching match = Matching::likelihood;
   double gate = 9.21;         ///< largest squared Mahalanobis distance of a match (99 % for 2 numbers)
   double new_above = 25.0;    ///< a sighting farther than this from all landmarks starts one; between: dropped
   double new_density = 0.01;  ///< density of sightings of unmapped landmarks, per metre of range and radian
@@ -74,6 +81,9 @@ struct SightingParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = SightingParameters;
+    v.choice("match", &P::match,
+             Choices<Matching>{{"likelihood", Matching::likelihood}, {"nearest", Matching::nearest}},
+             "how sightings find their landmarks");
     v.field("gate", &P::gate, unit::one, "largest squared Mahalanobis distance of a match", positive());
     v.field("new_above", &P::new_above, unit::one, "a sighting farther than this from all landmarks is a new one",
             positive());
@@ -86,27 +96,94 @@ struct SightingParameters {
   }
 };
 
+/// Offspring drawn with weights psi_i = (1 - 1/K) w_i + 1/(K N) instead of w_i (Wang, Wang 2022, eq. 7).
+struct OffspringTempering {
+  double k = 0.0;          ///< K >= 1; 0: offspring are drawn with the weights themselves
+  bool corrected = false;  ///< gives offspring the weight w_i / psi_i, which keeps the filter unbiased
+  double movement = 0.0;   ///< copies are moved at random by this fraction of the particles' spread in x and y ...
+  double rotation = 0.0;   ///< ... and yaw
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = OffspringTempering;
+    v.field("k", &P::k, unit::one, "K of eq. 7, 1 (uniform) and up; 0: the weights themselves", at_least(0.0));
+    v.field("corrected", &P::corrected, "weigh offspring by w / psi, which keeps the filter unbiased");
+    v.field("movement", &P::movement, unit::one, "copies are moved by this fraction of the spread in x and y",
+            at_least(0.0));
+    v.field("rotation", &P::rotation, unit::one, "and turned by this fraction of the spread in yaw", at_least(0.0));
+  }
+  [[nodiscard]] std::string validate() const {
+    return k > 0.0 && k < 1.0 ? "k: expected 0 or a number >= 1" : std::string();
+  }
+};
+
+/// The fields that all particle filters have.
+template <class P, class Visitor>
+void describe_particles(Visitor& v) {
+  v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
+  v.choice("resampling", &P::resampling, particle::resampling_choices(), "how particles are redrawn");
+  v.field("resample_below", &P::resample_below, unit::one,
+          "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
+}
+
+/// What path() and map() say.
+enum class SmoothPath {
+  none,  ///< the best particle's
+  all    ///< the most likely path and map given everything up to now, found from the best particle's
+};
+
+struct PathSmootherParameters {
+  /// A motion between two observations is taken to err by these standard deviations too, independently: covariances of
+  /// odometry are singular, of a robot at rest 0.
+  double position_floor = 1e-4;  ///< [m]
+  double heading_floor = 1e-5;   ///< [rad]
+  int max_iterations = 50;
+  double tolerance = 1e-3;  ///< converged when a step raises the log likelihood by less than this
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = PathSmootherParameters;
+    v.field("position_floor_cm", &P::position_floor, unit::centimetre,
+            "sd added to each motion between observations, so that a singular covariance has a density", positive());
+    v.field("heading_floor_deg", &P::heading_floor, unit::degree, "the same of the heading", positive());
+    v.field("max_iterations", &P::max_iterations, unit::one, "most iterations", at_least(1));
+    v.field("tolerance", &P::tolerance, unit::one, "least gain of an iteration in log likelihood", positive());
+  }
+};
+
 struct ParticleSlamParameters {
   int particles = 100;
   particle::Resampling resampling = particle::Resampling::systematic;
   double resample_below = 0.5;  ///< resample when the effective sample size falls below this share of the particles
+  NoiseParameters noise;        ///< of echo ranges; one for all rangers
   EchoParameters echo;
   ContourLandmarkParameters contour_landmarks;
   SightingParameters sightings;
+  SmoothPath smooth_path = SmoothPath::none;
+  PathSmootherParameters path_smoother;
   /// Most threads to use; no result depends on it. Not listed below: it belongs to the machine, not to the filter.
   int threads = 1;
 
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = ParticleSlamParameters;
-    v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
-    v.choice("resampling", &P::resampling, particle::resampling_choices(), "how particles are redrawn");
-    v.field("resample_below", &P::resample_below, unit::one,
-            "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
+    describe_particles<P>(v);
+    v.one_of("noise", &P::noise, {"fixed", "em", "vb"}, "noise of echo ranges: nominal, or learned on the way");
     v.group("echo", &P::echo, "how one ultrasonic echo is judged");
     v.group("contour_landmarks", &P::contour_landmarks, "walls, cylinders and points heard by ultrasound");
     v.group("sightings", &P::sightings, "sightings of point landmarks of unknown identity");
+    v.choice("smooth_path", &P::smooth_path, Choices<SmoothPath>{{"none", SmoothPath::none}, {"all", SmoothPath::all}},
+             "path and map: of the best particle, or smoothed over all observations");
+    v.group("path_smoother", &P::path_smoother, "how they are smoothed");
   }
+};
+
+/// The same filter under the names that comparisons know: noise learned from the start unless told otherwise.
+struct VbParticleSlamParameters : ParticleSlamParameters {
+  VbParticleSlamParameters() { noise = VbNoiseParameters{}; }
+};
+struct EmParticleSlamParameters : ParticleSlamParameters {
+  EmParticleSlamParameters() { noise = EmNoiseParameters{}; }
 };
 
 }  // namespace noctule::filters

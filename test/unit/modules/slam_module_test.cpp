@@ -139,5 +139,28 @@ TEST_F(SlamModuleTest, TheLastScanIsNotForgotten) {
   EXPECT_EQ(estimates_.all.size(), 1u);
 }
 
+TEST(SlamModule, LearnedNoiseDoesNotHideInnovationsFarAboveTheConfiguredNoise) {
+  for (const double error : {0.0, 0.06}) {
+    bus::Bus bus;
+    Heard<module_status> statuses(bus, "MODULE_STATUS");
+    SlamModuleParameters parameters;
+    filters::VbParticleSlamParameters filter;
+    filter.particles = 20;
+    parameters.filter = filter;
+    SlamModule module(bus, parameters, SlamInput{}, 1, Pose2{});
+    for (std::int64_t i = 0; i < 16; ++i) {
+      auto heard = scan(i);
+      heard.beams[0].range += i % 2 == 0 ? error : -error;
+      bus.publish("ODOMETRY", convert::to_message(motion(i)));
+      bus.publish("ULTRASONIC_SCAN", convert::to_message(heard));
+      bus.publish("CONTOUR_FEATURES", convert::to_message(features(i)));
+    }
+    bus.drain();
+    module.finish();
+    bus.drain();
+    EXPECT_EQ(statuses.all.back().warning.find("innovations") != std::string::npos, error > 0.0) << error;
+  }
+}
+
 }  // namespace
 }  // namespace noctule::modules

@@ -49,16 +49,13 @@ TEST(Weights, RefuseNotANumber) {
   EXPECT_THROW(Weights(0), std::invalid_argument);
 }
 
-TEST(Weights, InheritedOnesFollowTheAncestors) {
-  Weights weights(2);
-  const std::vector<std::uint32_t> ancestors{1, 1, 0, 1};
-  const std::vector<double> copy_weights{0.4, 0.2};
-  weights.inherit(ancestors, copy_weights);
-  const std::vector<double> w = weights.linear();
-  ASSERT_EQ(w.size(), 4u);
-  EXPECT_NEAR(w[0], 0.2, 1e-15);
-  EXPECT_NEAR(w[2], 0.4, 1e-15);
-  EXPECT_THROW(weights.inherit({}, copy_weights), std::invalid_argument);
+TEST(Weights, AreAssignedUpToTheirSum) {
+  Weights w(2);
+  w.assign(std::vector{std::log(3.0), 0.0});
+  EXPECT_NEAR(w.linear()[0], 0.75, 1e-15);
+  EXPECT_THROW(w.assign(std::vector{std::nan(""), 0.0}), std::domain_error);
+  EXPECT_THROW(w.assign(std::vector{-kInf, -kInf}), std::domain_error);
+  EXPECT_NEAR(w.linear()[0], 0.75, 1e-15);
 }
 
 }  // namespace
