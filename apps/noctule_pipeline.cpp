@@ -51,9 +51,11 @@ class ResultsFolder {
  public:
   explicit ResultsFolder(fs::path dir) : dir_(std::move(dir)), existed_(fs::exists(dir_)) {
     report::prepare_results(dir_);
-    for (const char* name :
-         {"metrics.json", "metrics.csv", "timing.json", "config.yaml", "trajectory.tum", "path.tum", "ground_truth.tum",
-          "dead_reckoning.tum", "map.svg", "map.pgm", "map.yaml", "report.html", "run.rawlog"}) {
+    for (const char* name : {"metrics.json",   "metrics.csv",     "timing.json",         "config.yaml",
+                             "trajectory.tum", "path.tum",        "ground_truth.tum",    "dead_reckoning.tum",
+                             "fixes.csv",      "landmarks.csv",   "known_landmarks.csv", "walls.csv",
+                             "cylinders.csv",  "known_walls.csv", "known_cylinders.csv", "map.svg",
+                             "map.pgm",        "map.yaml",        "report.html",         "run.rawlog"}) {
       fs::remove(dir_ / name);  // of an earlier run
     }
   }

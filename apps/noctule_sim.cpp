@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   std::string speed = "1", drawing;
   const apps::Program program{
       .name = "noctule-sim",
-      .description = "A simulated robot in a simulated room.",
+      .description = "A simulated robot in a simulated room or among landmarks.",
       .options = {
           {"--speed", &speed, "times real time; 0: as fast as possible (messages may get lost)"},
           {"--show-robot", &drawing, "write a drawing of the robot's sensors (SVG; - for the terminal) and end"}}};
@@ -36,12 +36,15 @@ int main(int argc, char** argv) {
   return apps::run_guarded(program.name, [&] {
     const modules::PipelineParameters parameters = apps::load_pipeline(line);
     const auto* simulator = std::get_if<modules::SimulatorParameters>(&parameters.source);
-    if (simulator == nullptr) throw InputError(line.file + ": source.type: expected simulator");
+    if (simulator == nullptr && !std::holds_alternative<sim::LandmarkWorldParameters>(parameters.source)) {
+      throw InputError(line.file + ": source.type: expected simulator or landmark_world");
+    }
     if (line.print_config) {
       std::cout << modules::dump_pipeline(parameters);
       return 0;
     }
     if (!drawing.empty()) {
+      if (simulator == nullptr) throw InputError(line.file + ": source.type: --show-robot expects simulator");
       write_drawing(simulator->robot, drawing);
       return 0;
     }

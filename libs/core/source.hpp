@@ -18,11 +18,18 @@ struct KnownLandmark {
   Vector2 position = Vector2::Zero();  ///< map frame [m]
 };
 
+/// Where the base was at a time, by a receiver that knows no heading.
+struct KnownPosition {
+  std::int64_t utime = 0;
+  Vector2 position = Vector2::Zero();  ///< map frame [m]
+};
+
 /// What is known about the world beside the stream itself; for evaluation only, no filter sees it.
 struct KnownWorld {
   std::string name;
   std::optional<Room> room;              ///< contours, map frame
   std::vector<KnownLandmark> landmarks;  ///< map frame
+  std::vector<KnownPosition> fixes;      ///< in order of time; where no whole pose is known (GROUND_TRUTH)
   Pose2 start_in_map;                    ///< pose of the base at the first observation; filters start there
   bool start_is_rough = false;           ///< that pose is a guess: maps must be aligned with the room to be judged
 };

@@ -8,11 +8,16 @@
 #include <system_error>
 
 #include "core/error.hpp"
+#include "datasets/zip_member.hpp"
 
 namespace noctule::datasets {
 
 FileContent read_file(const std::filesystem::path& path) {
   if (path.empty()) throw InputError("path: expected the path of a file, got an empty one");
+  if (const auto archive = path.parent_path();
+      archive.extension() == ".zip" && std::filesystem::is_regular_file(archive)) {
+    return {.bytes = read_zip_member(archive, path.filename().string()), .cut_off = false};
+  }
   const auto refuse = [&](const std::string& got) {
     return InputError(path.string() + ": expected a readable file, plain or gzip, got: " + got);
   };

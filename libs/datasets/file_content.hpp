@@ -9,7 +9,7 @@ struct FileContent {
   bool cut_off = false;  ///< a gzip file that ends too early: `bytes` is what could be unpacked
 };
 
-/// A whole file, unpacked if it is gzip'ed.
+/// A whole file, unpacked if it is gzip'ed. `archive.zip/member` is a member of that archive.
 /// \throws InputError when it cannot be read or its compressed bytes are damaged
 [[nodiscard]] FileContent read_file(const std::filesystem::path& path);
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/error.hpp"
-#include "datasets/arc.hpp"
+#include "datasets/held_commands.hpp"
 #include "datasets/table.hpp"
 
 namespace noctule::datasets {
@@ -42,12 +42,6 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
 std::string counted(std::int64_t count, const std::string& what) {
   return std::to_string(count) + " " + what;
 }
-
-struct Command {
-  std::int64_t utime = 0;
-  double speed = 0.0;      // [m/s]
-  double turn_rate = 0.0;  // [rad/s]
-};
 
 std::vector<Command> read_commands(const Path& path, const MrclamParameters& p, Recording& recording) {
   const Table table(path, dat({"time_s", "v_m_per_s", "w_rad_per_s"}));
@@ -91,8 +85,9 @@ std::map<std::int64_t, std::int64_t> read_barcodes(const Path& folder, Recording
   return subjects;
 }
 
-LandmarkDetection detection(const MrclamParameters& p, std::int64_t subject, double range, double bearing) {
+LandmarkDetection detection(const MrclamParameters& p, std::int64_t subject, double measured, double bearing) {
   LandmarkDetection d;
+  const double range = std::max(0.0, (measured - p.range_bias) / p.range_scale);
   d.range = range;
   d.bearing = wrap(bearing);
   const double range_sd = p.range_noise.sd(range);
@@ -200,23 +195,6 @@ Pose2 interpolated(const std::vector<GroundTruth>& truth, std::int64_t utime) {
   return {a.base_in_map.x + d.x(), a.base_in_map.y + d.y(), wrap(a.base_in_map.yaw + d.z())};
 }
 
-// Integrates the held commands to every command and every sighting.
-void add_odometry(const std::vector<Command>& commands, const std::vector<LandmarkDetections>& sightings,
-                  const models::OdometryRandomWalk& noise, std::vector<Observation>& out) {
-  std::vector<std::int64_t> utimes;
-  for (const Command& c : commands) utimes.push_back(c.utime);
-  for (const LandmarkDetections& s : sightings) utimes.push_back(s.stamp.utime);
-  std::sort(utimes.begin(), utimes.end());
-  utimes.erase(std::unique(utimes.begin(), utimes.end()), utimes.end());
-  std::size_t held = 0;  // the last command at or before the beginning of the increment
-  for (std::size_t i = 1; i < utimes.size(); ++i) {
-    while (held + 1 < commands.size() && commands[held + 1].utime <= utimes[i - 1]) ++held;
-    const double dt = seconds(utimes[i] - utimes[i - 1]);
-    const Pose2 increment = arc(commands[held].speed * dt, commands[held].turn_rate * dt);
-    out.emplace_back(Odometry{{utimes[i], 0}, increment, noise.covariance(increment)});
-  }
-}
-
 Recording read(const MrclamParameters& p) {
   const Path& folder = p.path;
   Recording recording;
@@ -228,7 +206,9 @@ Recording read(const MrclamParameters& p) {
   const std::vector<LandmarkDetections> sightings = read_sightings(folder, p, begin, end, recording);
   const std::vector<GroundTruth> truth = read_truth(folder, p, recording);
 
-  add_odometry(commands, sightings, p.odometry_noise, recording.observations);
+  std::vector<std::int64_t> stops;
+  for (const LandmarkDetections& s : sightings) stops.push_back(s.stamp.utime);
+  for (const Odometry& o : integrate(commands, stops, p.odometry_noise)) recording.observations.emplace_back(o);
   recording.observations.insert(recording.observations.end(), sightings.begin(), sightings.end());
   for (const GroundTruth& t : truth) {
     if (t.stamp.utime >= begin && t.stamp.utime <= end) recording.observations.emplace_back(t);

@@ -19,6 +19,8 @@ struct MrclamParameters {
   bool spread_seconds = false;  ///< truth times are rounded to whole seconds: spread their rows over [s - 0.5, s + 0.5)
   double speed_scale = 1.0;     ///< true over commanded speed
   double turn_scale = 1.0;      ///< true over commanded turn rate
+  double range_scale = 1.0;     ///< a range r is measured as range_scale * r + range_bias
+  double range_bias = 0.0;      ///< [m]
   /// Consistent with the truth of data set 6 over windows of 2 to 5 s; over longer ones the commands' scale errors,
   /// which no random walk describes, make it a little optimistic.
   models::OdometryRandomWalk odometry_noise{.along = 0.07, .drift = radians(3.0), .turn = radians(7.0)};
@@ -35,6 +37,8 @@ struct MrclamParameters {
     v.field("spread_seconds", &P::spread_seconds, unit::one, "spread truth whose times are whole seconds");
     v.field("speed_scale", &P::speed_scale, unit::one, "true over commanded speed", positive());
     v.field("turn_scale", &P::turn_scale, unit::one, "true over commanded turn rate", positive());
+    v.field("range_scale", &P::range_scale, unit::one, "measured over true range, beyond the bias", positive());
+    v.field("range_bias_m", &P::range_bias, unit::metre, "what is measured at a true range of 0");
     v.group("odometry_noise", &P::odometry_noise, "stated covariance of the integrated commands");
     v.group("range_noise", &P::range_noise, "stated standard deviation of a sighting's range");
     v.field("bearing_sd_deg", &P::bearing_sd, unit::degree, "stated standard deviation of a sighting's bearing",

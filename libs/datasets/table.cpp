@@ -68,6 +68,10 @@ Table::Table(const std::filesystem::path& path, const TableFormat& format)
   std::string_view rest = text.bytes;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);  // byte order mark
   std::vector<std::string_view> fields;
+  if (format.unbroken) {
+    read_unbroken(rest, format);
+    rest = {};
+  }
   bool header_seen = format.header.empty();
   for (int number = 1; !rest.empty(); ++number) {
     const auto end = rest.find('\n');
@@ -96,6 +100,25 @@ Table::Table(const std::filesystem::path& path, const TableFormat& format)
   }
   if (lines_.empty()) throw InputError(path_ + ": expected at least one record, got none");
   if (text.cut_off) notes_.push_back(path_ + ": the compressed file is cut off; read up to the last whole record");
+}
+
+void Table::read_unbroken(std::string_view text, const TableFormat& format) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  std::vector<std::string_view> fields, record;
+  for (auto begin = text.find_first_not_of(kBlanks); begin != text.npos;) {
+    const auto end = std::min(text.find_first_of(kBlanks, begin), text.size());
+    fields.push_back(text.substr(begin, end - begin));
+    begin = text.find_first_not_of(kBlanks, end);
+  }
+  const std::size_t size = columns_.size();
+  for (std::size_t begin = 0; begin + size <= fields.size(); begin += size) {
+    record.assign(fields.begin() + static_cast<std::ptrdiff_t>(begin),
+                  fields.begin() + static_cast<std::ptrdiff_t>(begin + size));
+    lines_.push_back(static_cast<int>(begin / size) + 1);
+    const std::string problem = parse(record, format, values_);
+    if (!problem.empty()) throw InputError(path_ + ": record " + std::to_string(lines_.back()) + ": " + problem);
+  }
+  if (fields.size() % size != 0) notes_.push_back(path_ + ": the last record was cut off and is left out");
 }
 
 std::int64_t Table::integer(int row, int column) const {

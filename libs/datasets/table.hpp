@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace noctule::datasets {
@@ -13,7 +14,8 @@ struct TableFormat {
   char separator = ' ';                ///< ' ' stands for any run of blanks and tabs
   std::string header{};                ///< when not empty, what the first line must be
   char comment = '\0';                 ///< lines that begin with it are passed over; '\0': none
-  int text_columns = 0;                ///< further columns at the end of each line that are not read
+  bool unbroken = false;  ///< numbers between blanks and line ends of any kind, each record as many as columns
+  int text_columns = 0;   ///< further columns at the end of each line that are not read
 };
 
 /// A table of finite numbers that remembers where each came from.
@@ -46,10 +48,12 @@ class Table {
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  void read_unbroken(std::string_view text, const TableFormat& format);
+
   std::string path_;
   std::vector<std::string> columns_;
   std::vector<double> values_;  // rows x columns
-  std::vector<int> lines_;      // line of each row, from 1
+  std::vector<int> lines_;      // line of each row (unbroken: its number), from 1
   std::vector<std::string> notes_;
 };
 

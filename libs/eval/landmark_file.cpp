@@ -30,4 +30,12 @@ std::vector<KnownLandmark> parse_landmarks(std::string_view text, const std::str
   return landmarks;
 }
 
+std::string landmarks_csv(std::span<const KnownLandmark> landmarks) {
+  std::string text = "id,x,y\n";
+  for (const KnownLandmark& l : landmarks) {
+    text += std::to_string(l.id) + ',' + shortest(l.position.x()) + ',' + shortest(l.position.y()) + '\n';
+  }
+  return text;
+}
+
 }  // namespace noctule::eval

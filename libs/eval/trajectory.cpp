@@ -14,16 +14,19 @@
 namespace noctule::eval {
 namespace {
 
-/// Mean square and maximum of a stream of non-negative numbers.
+/// Mean, mean square and maximum of a stream of non-negative numbers.
 struct Accumulator {
   int samples = 0;
+  double sum = 0.0;
   double square = 0.0;
   double max = 0.0;
   void add(double value) {
     ++samples;
+    sum += value;
     square += value * value;
     max = std::max(max, value);
   }
+  [[nodiscard]] double mean() const { return samples > 0 ? sum / samples : kNan; }
   [[nodiscard]] double rms() const { return samples > 0 ? std::sqrt(square / samples) : kNan; }
   [[nodiscard]] double maximum() const { return samples > 0 ? max : kNan; }
 };
@@ -57,7 +60,7 @@ PoseErrors pose_errors(std::span<const PosePair> pairs) {
   Accumulator position, heading;
   for (const double e : position_errors(pairs)) position.add(e);
   for (const double e : heading_errors(pairs)) heading.add(std::abs(e));
-  return {position.samples, position.rms(), position.maximum(), heading.rms(), heading.maximum()};
+  return {position.samples, position.rms(), position.mean(), position.maximum(), heading.rms(), heading.maximum()};
 }
 
 Vector2 Similarity2::operator*(const Vector2& p) const {
@@ -164,6 +167,12 @@ NeesSummary nees_summary(std::span<const double> values, int dimension, double p
   return s;
 }
 
+std::size_t leaves_for_good(std::span<const double> values, Interval bounds) {
+  std::size_t end = values.size();
+  while (end > 0 && !(values[end - 1] >= bounds.low && values[end - 1] <= bounds.high)) --end;
+  return end;
+}
+
 namespace {
 
 /// Index into `points` for each known landmark, -1 where none belongs to it.
@@ -204,8 +213,12 @@ LandmarkErrors landmark_errors(const LandmarkMap& map, std::span<const KnownLand
   const Similarity2 s = align(estimate, truth, parameters.alignment);
   Accumulator error;
   for (std::size_t i = 0; i < estimate.size(); ++i) error.add((s * estimate[i] - truth[i]).norm());
-  return {error.samples, static_cast<int>(known.size()) - error.samples,
-          static_cast<int>(points.size()) - error.samples, error.rms(), error.maximum()};
+  return {error.samples,
+          static_cast<int>(known.size()) - error.samples,
+          static_cast<int>(points.size()) - error.samples,
+          error.rms(),
+          error.mean(),
+          error.maximum()};
 }
 
 }  // namespace noctule::eval

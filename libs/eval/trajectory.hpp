@@ -36,10 +36,11 @@ struct PosePair {
 [[nodiscard]] std::vector<PosePair> associate(std::span<const TimedPose> estimate, std::span<const TimedPose> truth,
                                               double max_gap = std::numeric_limits<double>::infinity());
 
-/// Root mean squares and maxima; NaN for no pairs.
+/// Root mean squares, means and maxima; NaN for no pairs.
 struct PoseErrors {
   int samples = 0;
   double position_rmse = 0.0;  ///< [m]
+  double position_mean = 0.0;  ///< of the distances [m]
   double position_max = 0.0;   ///< [m]
   double heading_rmse = 0.0;   ///< [rad]
   double heading_max = 0.0;    ///< [rad]
@@ -104,6 +105,10 @@ struct NeesSummary {
 };
 [[nodiscard]] NeesSummary nees_summary(std::span<const double> values, int dimension = 3, double probability = 0.95);
 
+/// Index from which on no value lies within the bounds any more: one past the last that does, values.size() when that
+/// is the last of all, 0 when none does. A value that is not a number lies outside.
+[[nodiscard]] std::size_t leaves_for_good(std::span<const double> values, Interval bounds);
+
 struct LandmarkErrorParameters {
   double gate = 1.0;                      ///< [m] farther pairs are no pairs, where identities are unknown
   bool known_ids = true;                  ///< pair by id; else by the Hungarian method
@@ -114,6 +119,7 @@ struct LandmarkErrors {
   int missed = 0;
   int invented = 0;
   double rmse = 0.0;  ///< [m]; NaN: none found
+  double mean = 0.0;  ///< [m]; NaN: none found
   double max = 0.0;   ///< [m]; NaN: none found
 };
 /// Errors of the positions of point landmarks (others are ignored).

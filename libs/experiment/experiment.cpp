@@ -3,11 +3,17 @@
 #include <algorithm>
 #include <cctype>
 #include <ctime>
+#include <fstream>
 #include <set>
 
 #include "core/error.hpp"
+#include "core/limits.hpp"
 #include "experiment/contour_room.hpp"
 #include "experiment/csv.hpp"
+#include "experiment/growth_model.hpp"
+#include "experiment/landmark_world.hpp"
+#include "experiment/recorded_landmarks.hpp"
+#include "experiment/rfs_scene.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -61,7 +67,14 @@ std::string Experiment::validate() const {
 
 std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "contour_room") return std::make_unique<ContourRoom>(spec);
-  throw InputError("scenario '" + spec.name + "': kind: expected contour_room, got '" + spec.kind + "'");
+  if (spec.kind == "growth_model") return std::make_unique<GrowthModelRuns>(spec);
+  if (spec.kind == "landmark_world") return std::make_unique<LandmarkWorld>(spec);
+  if (spec.kind == "recorded_landmarks") return std::make_unique<RecordedLandmarks>(spec);
+  if (spec.kind == "rfs_scene") return std::make_unique<RfsScene>(spec);
+  throw InputError("scenario '" + spec.name +
+                   "': kind: expected contour_room, growth_model, landmark_world, recorded_landmarks or rfs_scene, "
+                   "got '" +
+                   spec.kind + "'");
 }
 
 std::vector<FilterSpec> expand(std::span<const FilterSpec> families) {
@@ -107,6 +120,19 @@ double cpu_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double kilobytes = 0.0;
+    if (word == "VmHWM:" && status >> kilobytes) return 1024.0 * kilobytes;
+  }
+  return kNan;
+}
+
+void reset_peak_memory() {
+  std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 }  // namespace noctule::experiment

@@ -129,4 +129,9 @@ class Scenario {
 /// CPU time of the calling thread [s].
 [[nodiscard]] double cpu_seconds();
 
+/// Most memory that the process has held since the latest reset_peak_memory() [B], of all threads together; NaN where
+/// the system does not tell.
+[[nodiscard]] double peak_memory();
+void reset_peak_memory();
+
 }  // namespace noctule::experiment

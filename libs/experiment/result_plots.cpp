@@ -139,7 +139,7 @@ bool wide(const std::vector<double>& values, double ratio) {
 
 /// Sorts the points, and decides which axes are logarithmic.
 void finish(Plot& plot) {
-  constexpr double kWideX = 4.0, kWideY = 10.0;
+  constexpr double kWideX = 4.0, kWideY = 10.0, kWideCurves = 1e4;
   std::vector<double> x, y;
   for (PlotSeries& s : plot.series) {
     std::ranges::stable_sort(s.points, {}, &PlotPoint::x);
@@ -150,7 +150,7 @@ void finish(Plot& plot) {
   }
   for (const report::PlotLine& l : plot.lines) y.push_back(l.value);
   plot.x_logarithmic = !plot.curves && wide(x, kWideX);
-  plot.y_logarithmic = !plot.curves && wide(y, kWideY);
+  plot.y_logarithmic = wide(y, plot.curves ? kWideCurves : kWideY);
 }
 
 /// The rows of one metric, and how its values are printed.

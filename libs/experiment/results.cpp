@@ -99,6 +99,17 @@ std::vector<Comparison> compare(std::span<const Row> a, const Selection& of_a, s
   return comparisons;
 }
 
+namespace {
+
+/// How many parameters `r` has, when all of them are among those of `s`; else 0.
+std::size_t shared_parameters(const Subject& s, const Subject& r) {
+  const auto of_s = assignments(s.parameters), of_r = assignments(r.parameters);
+  const bool all = std::ranges::all_of(of_r, [&](const auto& p) { return std::ranges::find(of_s, p) != of_s.end(); });
+  return all ? of_r.size() : 0;
+}
+
+}  // namespace
+
 std::vector<Comparison> standard_comparisons(const Results& results) {
   const std::vector<Group> groups = group(results.runs, {});
   std::vector<Comparison> all;
@@ -115,11 +126,13 @@ std::vector<Comparison> standard_comparisons(const Results& results) {
     std::vector<Comparison> family;
     for (const Group* g : candidates) {
       if (several && g->subject.filter == reference) continue;
-      const Group* against = nullptr;  // the namesake's first, or better the one with equal parameters
+      // The reference's first, or better the one whose parameters are all among those of this filter.
+      const Group* against = nullptr;
+      std::size_t most_shared = 0;
       for (const Group* r : candidates) {
         if (r->subject.filter != reference || r->metric != g->metric) continue;
-        const bool equal = several && r->subject.parameters == g->subject.parameters;
-        if (against == nullptr || equal) against = r;
+        const std::size_t shared = several ? shared_parameters(g->subject, r->subject) : 0;
+        if (against == nullptr || shared > most_shared) against = r, most_shared = shared;
       }
       if (against != nullptr && against != g) family.push_back(compare(g->rows, against->rows));
     }

@@ -39,7 +39,7 @@ struct Selection {
                                               const Selection& of_b);
 
 /// What a report of one folder compares: every filter (lines to see them by apart) with the first one that is compared,
-/// at equal parameters where it has them; corrected within each scenario.
+/// at equal parameters where it has them (a filter's further parameters do not count); corrected within each scenario.
 [[nodiscard]] std::vector<Comparison> standard_comparisons(const Results&);
 
 /// \throws std::out_of_range when the experiment has no such filter

@@ -58,4 +58,11 @@ void check(const ContourFeatures& features, const UltrasonicScan& scan) {
   }
 }
 
+void check_order(const char* what, const Stamp& stamp, std::optional<std::int64_t>& last) {
+  if (last && stamp.seq <= *last) {
+    refuse(what, ": seq: expected a number above ", *last, " (every reading enters once), got ", stamp.seq);
+  }
+  last = stamp.seq;
+}
+
 }  // namespace noctule::filters

@@ -64,4 +64,18 @@ enum class Integration {
   return m;
 }
 
+/// Speed and turn rate of the centre of the rear axle of a vehicle steered by its front wheels.
+struct RearAxleMotion {
+  double speed = 0.0;      ///< [m/s]
+  double turn_rate = 0.0;  ///< [rad/s]
+};
+/// From the speed of the left rear wheel, `encoder_left` [m] beside the centre, and the steering angle [rad] (Guivant
+/// and Nebot 2001). \param wheelbase distance of the axles [m]
+[[nodiscard]] inline RearAxleMotion rear_axle_motion(double encoder_speed, double steering, double wheelbase,
+                                                     double encoder_left) {
+  const double curvature = std::tan(steering) / wheelbase;
+  const double speed = encoder_speed / (1.0 - curvature * encoder_left);
+  return {speed, speed * curvature};
+}
+
 }  // namespace noctule::models

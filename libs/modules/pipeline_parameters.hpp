@@ -12,10 +12,12 @@
 #include "datasets/sonar_corridor.hpp"
 #include "datasets/sonar_scitos24.hpp"
 #include "datasets/ultrasonic_rooms.hpp"
+#include "datasets/victoria_park.hpp"
 #include "mapping/occupancy_grid.hpp"
 #include "modules/mapper_module.hpp"
 #include "modules/slam_module.hpp"
 #include "sensors/ultrasonic/extractor.hpp"
+#include "sim/landmark_parameters.hpp"
 #include "sim/robot.hpp"
 #include "sim/world.hpp"
 
@@ -47,7 +49,8 @@ struct LogParameters {
 using SourceParameters =
     std::variant<SimulatorParameters, LogParameters, datasets::MrclamParameters, datasets::SonarCorridorParameters,
                  datasets::SonarBigwheelParameters, datasets::SonarScitos24Parameters,
-                 datasets::UltrasonicRoomsParameters, datasets::RawlogParameters>;
+                 datasets::UltrasonicRoomsParameters, datasets::RawlogParameters, datasets::VictoriaParkParameters,
+                 sim::LandmarkWorldParameters>;
 
 struct PipelineParameters {
   std::string name = "unnamed";
@@ -66,7 +69,7 @@ struct PipelineParameters {
     v.field("seed", &P::seed, "seed of all random numbers");
     v.one_of("source", &P::source,
              {"simulator", "log", "mrclam", "sonar_corridor", "sonar_bigwheel", "sonar_scitos24", "ultrasonic_rooms",
-              "rawlog"},
+              "rawlog", "victoria_park", "landmark_world"},
              "where observations come from");
     v.group("ultrasonic", &P::ultrasonic, "contour features from ultrasonic scans; absent: scans go to SLAM alone");
     v.group("slam", &P::slam, "absent: no filter");

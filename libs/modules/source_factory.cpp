@@ -1,5 +1,6 @@
 #include "modules/source_factory.hpp"
 
+#include "sim/landmark_world.hpp"
 #include "sim/room_geometry.hpp"
 #include "sim/simulator.hpp"
 
@@ -10,6 +11,9 @@ using SourcePointer = std::unique_ptr<ObservationSource>;
 
 SourcePointer open(const SimulatorParameters& p, std::uint64_t seed) {
   return std::make_unique<sim::Simulator>(p.world, p.robot, seed);
+}
+SourcePointer open(const sim::LandmarkWorldParameters& p, std::uint64_t seed) {
+  return std::make_unique<sim::LandmarkWorld>(p, seed);
 }
 SourcePointer open(const datasets::MrclamParameters& p, std::uint64_t) {
   return std::make_unique<datasets::Mrclam>(p);
@@ -29,6 +33,9 @@ SourcePointer open(const datasets::RawlogParameters& p, std::uint64_t) {
 }
 SourcePointer open(const datasets::UltrasonicRoomsParameters& p, std::uint64_t) {
   return std::make_unique<datasets::UltrasonicRooms>(p);
+}
+SourcePointer open(const datasets::VictoriaParkParameters& p, std::uint64_t) {
+  return std::make_unique<datasets::VictoriaPark>(p);
 }
 
 std::vector<std::string> notes_of(const ObservationSource& source) {

@@ -14,7 +14,8 @@ namespace noctule::particle {
 template <class T>
 class Genealogy {
  public:
-  explicit Genealogy(std::size_t particles) : leaves_(particles, kNone), founders_(particles) {
+  explicit Genealogy(std::size_t particles)
+      : leaves_(particles, kNone), founders_(particles), alive_(particles), distinct_founders_(particles) {
     for (std::size_t i = 0; i < particles; ++i) founders_[i] = static_cast<std::uint32_t>(i);
   }
 
@@ -33,15 +34,17 @@ class Genealogy {
 
   /// The particle in slot i becomes a copy of the one that was in ancestors[i]. The number of particles may change.
   void resample(std::span<const std::uint32_t> ancestors) {
-    std::vector<std::uint32_t> leaves(ancestors.size()), founders(ancestors.size());
+    new_leaves_.resize(ancestors.size());
+    new_founders_.resize(ancestors.size());
     for (std::size_t i = 0; i < ancestors.size(); ++i) {
-      leaves[i] = leaves_[ancestors[i]];
-      founders[i] = founders_[ancestors[i]];
-      if (leaves[i] != kNone) ++nodes_[leaves[i]].references;
+      new_leaves_[i] = leaves_[ancestors[i]];
+      new_founders_[i] = founders_[ancestors[i]];
+      if (new_leaves_[i] != kNone) ++nodes_[new_leaves_[i]].references;
     }
     for (const std::uint32_t leaf : leaves_) release(leaf);
-    leaves_ = std::move(leaves);
-    founders_ = std::move(founders);
+    std::swap(leaves_, new_leaves_);
+    std::swap(founders_, new_founders_);
+    distinct_founders_ = count_founders();
   }
 
   /// Entries of the particle in `slot`, oldest first.
@@ -55,11 +58,7 @@ class Genealogy {
   }
 
   /// How many of the first particles still have descendants.
-  [[nodiscard]] std::size_t distinct_founders() const {
-    std::vector<std::uint32_t> sorted = founders_;
-    std::ranges::sort(sorted);
-    return static_cast<std::size_t>(std::ranges::unique(sorted).begin() - sorted.begin());
-  }
+  [[nodiscard]] std::size_t distinct_founders() const { return distinct_founders_; }
 
   /// Entries stored: at most N times the length, near the length alone once the histories have one trunk.
   [[nodiscard]] std::size_t stored() const { return nodes_.size() - unused_.size(); }
@@ -79,10 +78,19 @@ class Genealogy {
     }
   }
 
+  std::size_t count_founders() {
+    std::ranges::fill(alive_, char{0});
+    for (const std::uint32_t founder : founders_) alive_[founder] = 1;
+    return static_cast<std::size_t>(std::ranges::count(alive_, char{1}));
+  }
+
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> unused_;
   std::vector<std::uint32_t> leaves_;    ///< last entry of each slot
   std::vector<std::uint32_t> founders_;  ///< first particle that each slot descends from
+  std::vector<char> alive_;              ///< of each first particle, whether it has descendants
+  std::size_t distinct_founders_;
+  std::vector<std::uint32_t> new_leaves_, new_founders_;  ///< scratch, kept so that resampling allocates nothing
 };
 
 }  // namespace noctule::particle

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace noctule::particle {
+namespace noctule::particle::detail {
 
 void for_blocks(std::size_t n, int threads, const std::function<void(std::size_t, std::size_t)>& body) {
   const int concurrency = std::min(threads, tbb::info::default_concurrency());
@@ -23,4 +23,4 @@ void for_blocks(std::size_t n, int threads, const std::function<void(std::size_t
   });
 }
 
-}  // namespace noctule::particle
+}  // namespace noctule::particle::detail

@@ -20,16 +20,22 @@ class Weights {
 
   /// All 1/N, as after resampling.
   void make_uniform();
+  /// Takes N log weights, not necessarily normalised. \throws std::domain_error when one is NaN or +inf, or all are
+  /// -inf
+  void assign(std::span<const double> log_weights);
 
   [[nodiscard]] std::span<const double> log() const { return log_; }
   /// The N weights themselves, sum 1.
   [[nodiscard]] std::vector<double> linear() const;
+  void linear(std::span<double> weights) const;
   /// 1 / sum w^2, in [1, N].
   [[nodiscard]] double effective_sample_size() const;
   /// How often all likelihoods were 0 so far.
   [[nodiscard]] std::int64_t collapses() const { return collapses_; }
 
  private:
+  void check(std::span<const double> logs) const;
+
   std::vector<double> log_;
   std::int64_t collapses_ = 0;
 };

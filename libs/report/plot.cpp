@@ -199,7 +199,7 @@ class Drawing {
       }
       marks += mark(s.css_class, x, y_.at(p.y), p.label);
     }
-    return joined(s, aside) + path("whisker " + s.css_class, whiskers) + marks + "\n";
+    return (plot_.clouds ? "" : joined(s, aside)) + path("whisker " + s.css_class, whiskers) + marks + "\n";
   }
 
   [[nodiscard]] std::string curve(const PlotSeries& s) const {
@@ -228,7 +228,7 @@ class Drawing {
     for (std::size_t i = 0; i < all.size(); ++i) {
       const double x = kLeft + width * std::fmod(static_cast<double>(i), columns_);
       const double y = 10.0 + kLegendRow * std::floor(static_cast<double>(i) / columns_);
-      out += path(line_class(all[i].css_class), "M" + point_text(x, y) + "h24");
+      if (!plot_.clouds || !all[i].marked) out += path(line_class(all[i].css_class), "M" + point_text(x, y) + "h24");
       if (all[i].marked) out += mark(all[i].css_class, x + 12.0, y, "");
       out += text_at("legend-name", x + kSample, y + 4.0, all[i].name);
     }

@@ -40,6 +40,7 @@ struct Plot {
   std::vector<double> x_ticks;  ///< where they are few and given; else round ones are found
   bool x_logarithmic = false, y_logarithmic = false;
   bool curves = false;  ///< many points: lines in shaded intervals, no marks
+  bool clouds = false;  ///< points of a series belong to no line: marks alone
   bool dodge = false;   ///< series with the same x are drawn side by side
 };
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "eval/contour_file.hpp"
+#include "eval/landmark_file.hpp"
 #include "eval/number_text.hpp"
 #include "eval/tum.hpp"
 #include "report/files.hpp"
@@ -26,6 +28,14 @@ std::vector<eval::TimedPose> final_path(const RunData& data) {
   std::vector<eval::TimedPose> path;
   for (const PathPose& p : data.path.poses) path.push_back({p.utime, p.pose});
   return path;
+}
+
+std::string estimated_landmarks(const LandmarkMap& map) {
+  std::vector<KnownLandmark> points;
+  for (const LandmarkEstimate& l : map.landmarks) {
+    if (l.kind == LandmarkKind::point && l.parameters.allFinite()) points.push_back({l.id, l.parameters.head<2>()});
+  }
+  return points.empty() ? std::string() : eval::landmarks_csv(points);
 }
 
 /// Metrics that could not be measured are written as null; the reader is told which.
@@ -61,6 +71,15 @@ void write_results(const RunData& data, const std::filesystem::path& dir) {
   write_or_remove("path.tum", eval::to_tum(final_path(data)));
   write_or_remove("ground_truth.tum", eval::to_tum(data.truth));
   write_or_remove("dead_reckoning.tum", eval::to_tum(data.dead_reckoning));
+  const KnownWorld& world = data.world;
+  write_or_remove("fixes.csv", world.fixes.empty() ? "" : eval::fixes_csv(world.fixes));
+  write_or_remove("landmarks.csv", estimated_landmarks(data.landmarks));
+  write_or_remove("known_landmarks.csv", world.landmarks.empty() ? "" : eval::landmarks_csv(world.landmarks));
+  const Room mapped = data.contours ? eval::as_room(data.contours->map) : Room{}, known = world.room.value_or(Room{});
+  write_or_remove("walls.csv", data.contours ? eval::walls_csv(mapped.walls) : "");
+  write_or_remove("cylinders.csv", data.contours ? eval::cylinders_csv(mapped.cylinders) : "");
+  write_or_remove("known_walls.csv", world.room ? eval::walls_csv(known.walls) : "");
+  write_or_remove("known_cylinders.csv", world.room ? eval::cylinders_csv(known.cylinders) : "");
   write("map.svg", map_svg(data));
   write_or_remove("map.pgm", data.occupancy ? to_pgm(*data.occupancy) : "");
   write_or_remove("map.yaml", data.occupancy ? to_map_yaml(*data.occupancy, "map.pgm") : "");

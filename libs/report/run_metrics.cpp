@@ -8,6 +8,7 @@ namespace noctule::report {
 namespace {
 
 constexpr double kSegmentLength = 1.0;  // [m] of the relative pose error
+constexpr double kFixGap = 2.0;         // [s] poses farther apart say nothing about a fix between them
 
 class MetricList {
  public:
@@ -35,6 +36,19 @@ void add_trajectory(const std::vector<eval::PosePair>& pairs, const std::string&
   const eval::RelativePoseErrors relative = eval::relative_pose_errors(pairs, segments);
   metrics.add("rpe_translation_rmse" + suffix, relative.translation_rmse, "m");
   metrics.add("rpe_rotation_rmse" + suffix, relative.rotation_rmse, "rad");
+}
+
+/// Position fixes know no heading and lie in a frame of their own: only what is left after alignment counts.
+void add_fixes(const std::vector<eval::TimedPose>& trajectory, const std::vector<KnownPosition>& fixes,
+               const std::string& suffix, MetricList& metrics) {
+  std::vector<eval::PosePair> pairs;
+  for (const KnownPosition& fix : fixes) {
+    const auto pose = eval::interpolate(trajectory, fix.utime, kFixGap);
+    if (pose) pairs.push_back({fix.utime, *pose, {fix.position.x(), fix.position.y(), pose->yaw}});
+  }
+  if (!pairs.empty()) {
+    metrics.add("fix_rmse" + suffix, eval::absolute_trajectory_error(pairs, eval::Alignment::rigid), "m");
+  }
 }
 
 void add_consistency(const RunData& data, MetricList& metrics) {
@@ -103,6 +117,8 @@ std::vector<eval::Metric> run_metrics(const RunData& data) {
   const std::vector<eval::TimedPose> filtered = filter_trajectory(data);
   add_trajectory(eval::associate(filtered, data.truth), "", metrics);
   add_trajectory(eval::associate(data.dead_reckoning, data.truth), "_dead_reckoning", metrics);
+  add_fixes(filtered, data.world.fixes, "", metrics);
+  add_fixes(data.dead_reckoning, data.world.fixes, "_dead_reckoning", metrics);
   add_landmarks(data, metrics);
   add_consistency(data, metrics);
   metrics.add("path_length", length(data.truth.empty() ? filtered : data.truth), "m");

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "models/motion.hpp"
 #include "sim/room_geometry.hpp"
+#include "sim/steering.hpp"
 
 namespace noctule::sim {
 namespace {
@@ -126,9 +127,7 @@ std::vector<Piece> steer(const PathParameters& path, const DriveParameters& driv
         throw InputError(out.str());
       }
       const double step = std::min(dt, recorder.to_stop() / drive.speed);
-      const double wanted = wrap(std::atan2(way.y(), way.x()) - pose.yaw);
-      steering += std::clamp(wanted - steering, -drive.steering_rate * step, drive.steering_rate * step);
-      steering = std::clamp(steering, -drive.max_steering, drive.max_steering);
+      steering = steer_towards(place, pose, steering, drive.max_steering, drive.steering_rate, step);
       const double length = drive.speed * step;
       recorder.move(models::predict_front_axle(pose, drive.speed, steering, drive.wheelbase, step).pose, length, step);
       patience -= length;

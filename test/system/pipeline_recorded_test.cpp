@@ -69,6 +69,16 @@ TEST_F(PipelineRecorded, SightingsOfLandmarksMendDeadReckoning) {
   EXPECT_TRUE(std::isfinite(metric(out, "landmark_rmse")));
 }
 
+TEST_F(PipelineRecorded, TreesMendDeadReckoningInVictoriaPark) {
+  const fs::path data = shared_data() / "victoria-park";
+  if (!fs::exists(data)) GTEST_SKIP() << data << " is not there";
+  std::vector<std::string> more = arguments("victoria_park", data);
+  more.insert(more.end(), {"--set", "slam.filter.particles=10"});
+  const fs::path out = run_pipeline("victoria_park", more);
+  EXPECT_GT(metric(out, "fix_rmse_dead_reckoning"), 50.0);
+  EXPECT_LT(metric(out, "fix_rmse"), 0.5 * metric(out, "fix_rmse_dead_reckoning"));
+}
+
 TEST_F(PipelineRecorded, ASweepFromOnePlaceFindsTheWallsThatItHears) {
   const fs::path data = shared_data() / "ultrasonic-rooms";
   if (!fs::exists(data)) GTEST_SKIP() << data << " is not there";

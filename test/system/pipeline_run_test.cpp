@@ -143,7 +143,7 @@ TEST_F(PipelineRun, EveryPipelineFileIsSoundAndItsEffectiveFormIsToo) {
 TEST_F(PipelineRun, TheTableOfKeysNamesThem) {
   const Outcome outcome = run(command("noctule-pipeline", {"--keys"}));
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_NE(outcome.output.find("| `slam.filter.particles` |  | `100` |"), std::string::npos);
+  EXPECT_NE(outcome.output.find("| `slam.filter<pf>.particles` |  | `100` |"), std::string::npos);
   EXPECT_NE(outcome.output.find("| `source<simulator>.world.path.stop_spacing_cm` | cm |"), std::string::npos);
 }
 
@@ -151,6 +151,22 @@ TEST_F(PipelineRun, TheRobotIsDrawn) {
   const Outcome outcome = run(command("noctule-sim", {kHeptagon, "--show-robot", "-"}));
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_NE(outcome.output.find("<svg"), std::string::npos);
+}
+
+TEST_F(PipelineRun, LandmarksStandOverTheTrueOnesInTheReport) {
+  const std::string file = kSource + "/config/pipelines/webmap.yaml";
+  const fs::path out = run_into("web", {file, "--set", "source.world.loops=1"});
+  const std::string report = read_file(out / "report.html"), metrics = read_file(out / "metrics.json");
+  const std::string mark = "class=\"known-landmark\"";
+  std::size_t known = 0;
+  for (std::size_t at = report.find(mark); at != std::string::npos; at = report.find(mark, at + 1)) ++known;
+  EXPECT_EQ(known, 35u);
+  EXPECT_NE(report.find("class=\"landmark\""), std::string::npos);
+  EXPECT_NE(metrics.find("\"landmarks_invented\",\"value\":0.0"), std::string::npos) << metrics;
+  EXPECT_EQ(run(command("noctule-sim", {file, "--print-config"})).exit_code, 0);
+  const Outcome drawn = run(command("noctule-sim", {file, "--show-robot", "-"}));
+  EXPECT_EQ(drawn.exit_code, 2);
+  EXPECT_NE(drawn.output.find("--show-robot"), std::string::npos);
 }
 
 TEST_F(PipelineRun, HelpIsQuick) {

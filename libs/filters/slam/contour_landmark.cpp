@@ -31,14 +31,14 @@ struct RangeInnovation {
 /// The whole innovation (range, direction) with its covariance S, 2 x 2 and written out: this is the innermost of all
 /// loops.
 template <class Hypothesis>
-struct Innovation {
+struct EchoInnovation {
   RangeInnovation<Hypothesis> range;
   double direction;
   VectorD<Hypothesis::kSize> cross;  // covariance of the parameters with the predicted direction
   double covariance, variance;       // S of range and direction, and of direction
   double determinant;
 
-  Innovation(const Hypothesis& h, const PlacedEcho& e) : range(h, e) {
+  EchoInnovation(const Hypothesis& h, const PlacedEcho& e) : range(h, e) {
     const auto& slope = range.predicted.direction_slope;
     direction = angle_between(range.predicted.direction, e.axis);
     cross = h.covariance * slope;
@@ -67,7 +67,7 @@ struct ScaledRange {
   VectorD<1> value;  // innovation
   MatrixD<1> extra;  // its variance without the noise
   template <class Hypothesis>
-  ScaledRange(const Innovation<Hypothesis>& i, const PlacedEcho& e) {
+  ScaledRange(const EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
     const double slope = i.covariance / i.variance;
     value[0] = (i.range.value - slope * i.direction) / std::sqrt(e.range_variance);
     extra(0, 0) = std::max((i.range.variance - slope * i.covariance) / e.range_variance - 1.0, 0.0);
@@ -76,7 +76,7 @@ struct ScaledRange {
 
 /// Apart, so that the loop of a filter with fixed noise stays small.
 template <class Hypothesis>
-[[gnu::noinline]] double log_density_learned(const Innovation<Hypothesis>& i, const PlacedEcho& e) {
+[[gnu::noinline]] double log_density_learned(const EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
   const ScaledRange range(i, e);
   return e.noise->log_density(range.value, range.extra) -
          0.5 * (i.direction * i.direction / i.variance + std::log(kTwoPi * i.variance * e.range_variance));
@@ -85,7 +85,7 @@ template <class Hypothesis>
 template <class Hypothesis>
 double log_density(const Hypothesis& h, const PlacedEcho& e) {
   if (!h.in_view(e)) return -kInf;
-  const Innovation<Hypothesis> i(h, e);
+  const EchoInnovation<Hypothesis> i(h, e);
   if (e.noise != nullptr) return log_density_learned(i, e);
   return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
 }
@@ -94,7 +94,7 @@ double log_density(const Hypothesis& h, const PlacedEcho& e) {
 /// \return with the moments of the range's residual after the update: with y = S^-1 innovation, the residual is bias +
 /// R y and the predicted range keeps the variance R - R S^-1 R
 template <class Hypothesis>
-[[gnu::noinline]] AssimilatedEcho make_innovation_effective(Innovation<Hypothesis>& i, const PlacedEcho& e) {
+[[gnu::noinline]] AssimilatedEcho make_innovation_effective(EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
   AssimilatedEcho result;
   result.nis = i.distance2();
   const ScaledRange range(i, e);
@@ -115,7 +115,7 @@ template <class Hypothesis>
 /// Kalman update, P -= P H' S^-1 H P: with noises as large as these the result is far from indefinite.
 template <class Hypothesis>
 AssimilatedEcho update(Hypothesis& h, const PlacedEcho& e) {
-  Innovation<Hypothesis> i(h, e);
+  EchoInnovation<Hypothesis> i(h, e);
   AssimilatedEcho result;
   result.nis = i.distance2();
   if (e.noise != nullptr) result = make_innovation_effective(i, e);

@@ -6,15 +6,9 @@
 #include "core/features.hpp"
 #include "filters/slam/contour_landmark.hpp"
 #include "filters/slam/parameters.hpp"
+#include "filters/slam/path_particles.hpp"
 
 namespace noctule::filters {
-
-/// What a scan says about a particle.
-struct ObservationFit {
-  double log_likelihood = 0.0;
-  double nis = 0.0;            ///< sum of the squared normalised innovations ...
-  int degrees_of_freedom = 0;  ///< ... and how many numbers they came from
-};
 
 /// What the learning of noise takes from one echo and one particle.
 struct EchoResidual {

@@ -6,16 +6,20 @@
 #include <variant>
 #include <vector>
 
+#include "filters/slam/landmark_parameters.hpp"
 #include "filters/slam/parameters.hpp"
 #include "filters/slam/slam_filter.hpp"
 
 namespace noctule::filters {
 
 /// Which filter, and with which parameters; in files told apart by the key `type`.
-using SlamFilterParameters = std::variant<ParticleSlamParameters, VbParticleSlamParameters, EmParticleSlamParameters>;
+using SlamFilterParameters =
+    std::variant<ParticleSlamParameters, VbParticleSlamParameters, EmParticleSlamParameters, FastSlam1Parameters,
+                 FastSlam2Parameters, UFastSlamParameters, PsoUFastSlamParameters, WocpfParameters, EkfSlamParameters>;
 
 /// Names of the alternatives, in their order.
-inline const std::vector<std::string> kSlamFilterNames{"pf", "vb_pf", "em_pf"};
+inline const std::vector<std::string> kSlamFilterNames{"pf",        "vb_pf",         "em_pf", "fastslam1", "fastslam2",
+                                                       "ufastslam", "pso_ufastslam", "wocpf", "ekf_slam"};
 
 /// \param start pose of the base in the map at the first observation, taken as certain
 /// \param threads most threads to use; no result depends on it

@@ -66,8 +66,14 @@ struct ContourLandmarkParameters {
   }
 };
 
+enum class Matching : std::int8_t {
+  likelihood,  ///< all sightings of a message at once, each landmark at most once: the most likely assignment
+  nearest      ///< each sighting for itself, to the landmark that makes it most likely
+};
+
 /// Sightings of point landmarks whose identity the sensor does not know.
 struct SightingParameters {
+  Matching match = Matching::likelihood;
   double gate = 9.21;         ///< largest squared Mahalanobis distance of a match (99 % for 2 numbers)
   double new_above = 25.0;    ///< a sighting farther than this from all landmarks starts one; between: dropped
   double new_density = 0.01;  ///< density of sightings of unmapped landmarks, per metre of range and radian
@@ -75,6 +81,9 @@ struct SightingParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = SightingParameters;
+    v.choice("match", &P::match,
+             Choices<Matching>{{"likelihood", Matching::likelihood}, {"nearest", Matching::nearest}},
+             "how sightings find their landmarks");
     v.field("gate", &P::gate, unit::one, "largest squared Mahalanobis distance of a match", positive());
     v.field("new_above", &P::new_above, unit::one, "a sighting farther than this from all landmarks is a new one",
             positive());
@@ -86,6 +95,36 @@ struct SightingParameters {
     return new_above < gate ? "new_above must not be below gate" : std::string();
   }
 };
+
+/// Offspring drawn with weights psi_i = (1 - 1/K) w_i + 1/(K N) instead of w_i (Wang, Wang 2022, eq. 7).
+struct OffspringTempering {
+  double k = 0.0;          ///< K >= 1; 0: offspring are drawn with the weights themselves
+  bool corrected = false;  ///< gives offspring the weight w_i / psi_i, which keeps the filter unbiased
+  double movement = 0.0;   ///< copies are moved at random by this fraction of the particles' spread in x and y ...
+  double rotation = 0.0;   ///< ... and yaw
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = OffspringTempering;
+    v.field("k", &P::k, unit::one, "K of eq. 7, 1 (uniform) and up; 0: the weights themselves", at_least(0.0));
+    v.field("corrected", &P::corrected, "weigh offspring by w / psi, which keeps the filter unbiased");
+    v.field("movement", &P::movement, unit::one, "copies are moved by this fraction of the spread in x and y",
+            at_least(0.0));
+    v.field("rotation", &P::rotation, unit::one, "and turned by this fraction of the spread in yaw", at_least(0.0));
+  }
+  [[nodiscard]] std::string validate() const {
+    return k > 0.0 && k < 1.0 ? "k: expected 0 or a number >= 1" : std::string();
+  }
+};
+
+/// The fields that all particle filters have.
+template <class P, class Visitor>
+void describe_particles(Visitor& v) {
+  v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
+  v.choice("resampling", &P::resampling, particle::resampling_choices(), "how particles are redrawn");
+  v.field("resample_below", &P::resample_below, unit::one,
+          "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
+}
 
 /// What path() and map() say.
 enum class SmoothPath {
@@ -128,16 +167,7 @@ struct ParticleSlamParameters {
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = ParticleSlamParameters;
-    using particle::Resampling;
-    v.field("particles", &P::particles, unit::one, "number of particles", Range{.min = 1, .max = 10'000'000});
-    v.choice("resampling", &P::resampling,
-             Choices<Resampling>{{"systematic", Resampling::systematic},
-                                 {"ssp", Resampling::ssp},
-                                 {"stratified", Resampling::stratified},
-                                 {"multinomial", Resampling::multinomial}},
-             "how particles are redrawn");
-    v.field("resample_below", &P::resample_below, unit::one,
-            "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
+    describe_particles<P>(v);
     v.one_of("noise", &P::noise, {"fixed", "em", "vb"}, "noise of echo ranges: nominal, or learned on the way");
     v.group("echo", &P::echo, "how one ultrasonic echo is judged");
     v.group("contour_landmarks", &P::contour_landmarks, "walls, cylinders and points heard by ultrasound");

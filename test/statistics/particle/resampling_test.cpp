@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -38,18 +39,28 @@ std::vector<double> uneven_weights() {
 struct Moments {
   std::vector<double> mean = std::vector<double>(kSize, 0.0);
   std::vector<double> variance = std::vector<double>(kSize, 0.0);
+  std::vector<double> mass = std::vector<double>(kSize, 0.0);           ///< mean of n_i copy_weights_i
+  std::vector<double> mass_variance = std::vector<double>(kSize, 0.0);  ///< about the weight
   double largest_deviation = 0.0;
   [[nodiscard]] double total_variance() const { return std::accumulate(variance.begin(), variance.end(), 0.0); }
 };
 
-Moments measure(Resampling method, const std::vector<double>& w, std::uint64_t seed) {
+Moments measure(Resampling method, const std::vector<double>& w, std::uint64_t seed, bool trimmed = true) {
   const auto resampler = make_resampler(method);
   Moments m;
   std::vector<std::uint32_t> counts(w.size());
+  std::vector<double> copy_weights(w.size());
   for (int k = 0; k < kDraws; ++k) {
     Rng rng(seed, stream_id("test"), static_cast<std::uint64_t>(k));
-    resampler->offspring(w, kSize, rng, counts);
+    if (trimmed) {
+      resampler->offspring(w, kSize, rng, counts, copy_weights);
+    } else {
+      resampler->untrimmed(w, kSize, rng, counts, copy_weights);
+    }
     for (std::size_t i = 0; i < w.size(); ++i) {
+      const double mass = counts[i] * copy_weights[i];
+      m.mass[i] += mass / kDraws;
+      m.mass_variance[i] += (mass - w[i]) * (mass - w[i]) / kDraws;
       m.mean[i] += counts[i];
       const double deviation = counts[i] - kSize * w[i];
       m.variance[i] += deviation * deviation;
@@ -133,7 +144,110 @@ TEST_P(MinimumVariance, ExpectationsFollowAPermutationOfTheParticles) {
   expect_unbiased(measure(GetParam(), w, 4), w);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, MinimumVariance, testing::Values(Resampling::systematic, Resampling::ssp));
+INSTANTIATE_TEST_SUITE_P(Methods, MinimumVariance,
+                         testing::Values(Resampling::systematic, Resampling::ssp, Resampling::residual_systematic,
+                                         Resampling::rsr, Resampling::regularised));
+
+TEST(ResamplingStatistics, ResidualHasTheVarianceOfItsRemainder) {
+  const auto w = uneven_weights();
+  const auto m = measure(Resampling::residual, w, 5);
+  expect_unbiased(m, w);
+  double left = 0.0, squares = 0.0;
+  for (const double v : w) {
+    const double f = kSize * v - std::floor(kSize * v);
+    left += f;
+    squares += f * f;
+  }
+  EXPECT_NEAR(m.total_variance(), left - squares / left, 0.03 * left);
+}
+
+TEST(ResamplingStatistics, BranchingReachesTheFloorAndTrimmingBiasesItLittle) {
+  const auto w = uneven_weights();
+  const auto m = measure(Resampling::branching, w, 6, false);
+  expect_unbiased(m, w);
+  EXPECT_LT(m.largest_deviation, 1.0);
+  EXPECT_NEAR(m.total_variance(), variance_floor(w), 0.03 * variance_floor(w));
+  const auto trimmed = measure(Resampling::branching, w, 6);
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    const double bound = std::max(0.25, w[i] * variance_floor(w)) / kSize;
+    EXPECT_LT(std::abs(trimmed.mean[i] - kSize * w[i]), bound + 4.0 * std::sqrt(trimmed.variance[i] / kDraws));
+  }
+}
+
+TEST(ResamplingStatistics, RoundingCopyIsBiasedByUpToHalfACopyAndHasNoVariance) {
+  auto w = uneven_weights();
+  const auto m = measure(Resampling::rounding_copy, w, 7, false);
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    EXPECT_LE(std::abs(m.mean[i] - kSize * w[i]), 0.5);
+    EXPECT_NEAR(m.mean[i], std::floor(kSize * w[i] + 0.5), 1e-9);
+  }
+}
+
+/// Chain m ends at i with probability [m = i] a_i + (1 - a_m) w_i, a = w / max w; chains are independent.
+TEST(ResamplingStatistics, RejectionIsUnbiasedWithTheVarianceOfItsTrials) {
+  const auto w = uneven_weights();
+  const auto m = measure(Resampling::rejection, w, 8);
+  expect_unbiased(m, w);
+  const double largest = *std::ranges::max_element(w);
+  double expected = 0.0;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    for (std::size_t chain = 0; chain < w.size(); ++chain) {
+      const double p = (chain == i ? w[i] / largest : 0.0) + (1.0 - w[chain] / largest) * w[i];
+      expected += p * (1.0 - p);
+    }
+  }
+  EXPECT_NEAR(m.total_variance(), expected, 0.03 * expected);
+}
+
+/// (1 - mean w / max w)^32 of the distance to the weights is left after 32 steps.
+TEST(ResamplingStatistics, MetropolisForgetsItsStart) {
+  const auto w = uneven_weights();
+  const auto m = measure(Resampling::metropolis, w, 9);
+  const double left = std::pow(1.0 - 1.0 / (kSize * *std::ranges::max_element(w)), 32);
+  ASSERT_LT(left, 0.01);
+  double multinomial = 0.0;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    EXPECT_LT(std::abs(m.mean[i] - kSize * w[i]), left * kSize + 4.0 * std::sqrt(m.variance[i] / kDraws));
+    multinomial += kSize * w[i] * (1.0 - w[i]);
+  }
+  EXPECT_NEAR(m.total_variance(), multinomial, 0.03 * multinomial);
+}
+
+class UnequalWeights : public testing::TestWithParam<Resampling> {};
+
+TEST_P(UnequalWeights, StandForThoseOfTheParents) {
+  auto w = uneven_weights();
+  for (const std::uint64_t seed : {10u, 11u}) {
+    const auto m = measure(GetParam(), w, seed);
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      EXPECT_LT(std::abs(m.mass[i] - w[i]), 4.0 * std::sqrt(m.mass_variance[i] / kDraws) + 1e-12) << "particle " << i;
+    }
+    std::rotate(w.begin(), w.begin() + 5, w.end());
+  }
+}
+
+TEST_P(UnequalWeights, AreEvenedOutWithoutBias) {
+  const auto w = uneven_weights();
+  const auto resampler = make_resampler(GetParam());
+  std::vector<double> mean(w.size(), 0.0), variance(w.size(), 0.0);
+  std::vector<std::uint32_t> counts(w.size());
+  for (int k = 0; k < kDraws; ++k) {
+    Rng rng(12, stream_id("test"), static_cast<std::uint64_t>(k));
+    resampler->offspring(w, kSize, rng, counts);
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      mean[i] += counts[i] / static_cast<double>(kDraws);
+      variance[i] += std::pow(counts[i] - kSize * w[i], 2) / kDraws;
+    }
+  }
+  // Evening out divides by the random sum of reallocated weights: a bias of second order, as in a weighted mean.
+  const double ratio = GetParam() == Resampling::reallocation ? 1.0 / kSize : 0.0;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    EXPECT_LT(std::abs(mean[i] - kSize * w[i]), 4.0 * std::sqrt(variance[i] / kDraws) + ratio + 1e-12) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, UnequalWeights,
+                         testing::Values(Resampling::optimal, Resampling::reallocation, Resampling::partial));
 
 }  // namespace
 }  // namespace noctule::particle

@@ -124,6 +124,15 @@ TEST(NeesSummary, CountsOnlyWhatIsANumber) {
   EXPECT_TRUE(std::isnan(nees_summary({}).median));
 }
 
+TEST(LeavesForGood, AfterTheLastValueInside) {
+  const Interval bounds{1.0, 2.0};
+  const auto index = [&](std::vector<double> values) { return leaves_for_good(values, bounds); };
+  EXPECT_EQ(index({}), 0u);
+  EXPECT_EQ(index({3.0, 0.5, kNan}), 0u);
+  EXPECT_EQ(index({1.5, 3.0, 2.0, 0.9, kNan}), 3u);
+  EXPECT_EQ(index({kNan, 9.0, 1.0}), 3u);
+}
+
 LandmarkMap landmark_map(std::initializer_list<std::pair<int, Vector2>> points) {
   LandmarkMap map;
   for (const auto& [id, p] : points) {
@@ -144,6 +153,7 @@ TEST(LandmarkErrors, ByIdentity) {
   EXPECT_EQ(e.missed, 1);
   EXPECT_EQ(e.invented, 1);
   EXPECT_NEAR(e.rmse, std::sqrt((0.09 + 0.16) / 2), 1e-12);
+  EXPECT_NEAR(e.mean, 0.35, 1e-12);
   EXPECT_NEAR(e.max, 0.4, 1e-12);
 }
 
@@ -169,6 +179,7 @@ TEST(LandmarkErrors, AlignmentTakesACommonMotionAway) {
   EXPECT_GT(landmark_errors(map, known).rmse, 1.0);
   EXPECT_NEAR(landmark_errors(map, known, {.alignment = Alignment::rigid}).rmse, 0.0, 1e-12);
   EXPECT_TRUE(std::isnan(landmark_errors({}, known).rmse));
+  EXPECT_TRUE(std::isnan(landmark_errors({}, known).mean));
 }
 
 TEST(Tum, ReadsBackExactly) {

@@ -115,6 +115,24 @@ TEST_F(Report, ComparesWithTheFirstFilterAtEqualParameters) {
   }
 }
 
+TEST(StandardComparisons, FurtherParametersOfAFilterDoNotChangeWhomItMeets) {
+  Results results;
+  results.experiment.scenarios = {{"near", "fake", {}}};
+  results.experiment.filters = {{"pf", Role::compared, {}, {}, {}}, {"apf", Role::compared, {}, {}, {}}};
+  for (const auto& [filter, parameters] :
+       {std::pair("pf", "N=20;q=1"), std::pair("pf", "N=50;q=1"), std::pair("apf", "N=50;q=1;split=half"),
+        std::pair("apf", "N=50;q=1"), std::pair("apf", "N=99;q=1")}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      results.runs.push_back({"near", filter, parameters, seed, "error", "m", static_cast<double>(seed), false});
+    }
+  }
+  const std::vector<Comparison> all = standard_comparisons(results);
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[0].against.parameters, "N=50;q=1");
+  EXPECT_EQ(all[1].against.parameters, "N=50;q=1");
+  EXPECT_EQ(all[2].against.parameters, "N=20;q=1");  // none matches: the first
+}
+
 TEST_F(Report, ASingleFilterIsComparedWithItsFirstParameters) {
   const std::vector<Comparison> all = standard_comparisons(results_of({"filters[1].role=baseline", "metrics=[error]"}));
   ASSERT_EQ(all.size(), 2u);
@@ -153,7 +171,13 @@ TEST_F(Report, PlotsHaveTheLinesToSeeThemBy) {
   EXPECT_EQ(cost[0].lines.size(), 1u);
   const std::vector<report::Plot> over_time = time_plots(results, "near");
   ASSERT_EQ(over_time.size(), 2u);  // N = 1 and N = 4
-  for (const report::Plot& plot : over_time) EXPECT_EQ(plot.series.size(), 2u) << "the line is in both";
+  for (const report::Plot& plot : over_time) {
+    EXPECT_EQ(plot.series.size(), 2u) << "the line is in both";
+    EXPECT_FALSE(plot.y_logarithmic);
+  }
+  Results wide = results;
+  for (SeriesRow& row : wide.series) row.mean = row.time > 0.0 ? 1e5 : 1.0;
+  EXPECT_TRUE(time_plots(wide, "near")[0].y_logarithmic);
 }
 
 TEST_F(Report, WritesAPageTablesAndFigures) {

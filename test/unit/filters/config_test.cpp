@@ -1,14 +1,16 @@
-/// The example configuration names every key of the filter once, in order, with the defaults of the class.
+/// The example configurations name every key of their filter once, in order, with the defaults of the class.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <fstream>
+#include <optional>
+#include <regex>
 #include <string>
 #include <type_traits>
 #include <variant>
 #include <vector>
 
-#include "filters/slam/parameters.hpp"
+#include "filters/slam/make_slam_filter.hpp"
 
 namespace noctule::filters {
 namespace {
@@ -19,7 +21,7 @@ struct Entry {
   bool operator==(const Entry&) const = default;
 };
 
-/// Flattens a parameter struct: a group's key stands before its members.
+/// Flattens a parameter struct: a group's key stands before its members, also where it may be absent.
 template <class Object>
 class Lister {
  public:
@@ -29,6 +31,10 @@ class Lister {
     double value = 0.0;  // of lists
     if constexpr (std::is_arithmetic_v<T>) value = static_cast<double>(object_.*member) / unit.to_si;
     entries_.push_back({key, value});
+  }
+  template <class Class>
+  void field(const char* key, bool Class::*, const char*) {
+    entries_.push_back({key, 0.0});
   }
   template <class Class, class Enum>
   void choice(const char* key, Enum Class::*, const Choices<Enum>&, const char*) {
@@ -48,32 +54,47 @@ class Lister {
   }
   template <class Class, class Group>
   void group(const char* key, Group Class::*member, const char*) {
-    entries_.push_back({key, 0.0});
-    Lister<Group> inner(object_.*member, entries_);
-    Group::describe(inner);
+    list(key, object_.*member);
+  }
+  template <class Class, class Group>
+  void group(const char* key, std::optional<Group> Class::*, const char*) {
+    list(key, Group{});
   }
 
  private:
+  template <class Group>
+  void list(const char* key, const Group& group) {
+    entries_.push_back({key, 0.0});
+    Lister<Group> inner(group, entries_);
+    Group::describe(inner);
+  }
+
   const Object& object_;
   std::vector<Entry>& entries_;
 };
 
-template <class Parameters>
-void expect_defaults_in(const std::string& name) {
-  const Parameters defaults;
-  std::vector<Entry> expected{{"type", 0.0}};
-  Lister<Parameters> lister(defaults, expected);
-  Parameters::describe(lister);
-
-  std::ifstream file(NOCTULE_SOURCE_DIR "/config/filters/" + name);
-  ASSERT_TRUE(file) << name;
+/// Keys of a file in order; those of a group that is absent by default are commented out.
+std::vector<Entry> keys_of(const std::string& name) {
+  std::ifstream file(NOCTULE_SOURCE_DIR "/config/filters/" + name + ".yaml");
+  EXPECT_TRUE(file) << name;
+  const std::regex key("^(# )? *([a-z0-9_]+):(?: +([^ #]+))?.*");
   std::vector<Entry> found;
   for (std::string line; std::getline(file, line);) {
-    line = line.substr(0, line.find('#'));
-    const auto colon = line.find(':'), first = line.find_first_not_of(' ');
-    if (colon == std::string::npos) continue;
-    found.push_back({line.substr(first, colon - first), std::strtod(line.c_str() + colon + 1, nullptr)});
+    std::smatch match;
+    if (std::regex_match(line, match, key)) found.push_back({match[2], std::strtod(match[3].str().c_str(), nullptr)});
   }
+  return found;
+}
+
+template <std::size_t I>
+void expect_keys_and_defaults() {
+  const std::string& name = kSlamFilterNames[I];
+  const std::variant_alternative_t<I, SlamFilterParameters> defaults;
+  std::vector<Entry> expected{{"type", 0.0}};
+  Lister lister(defaults, expected);
+  defaults.describe(lister);
+
+  const std::vector<Entry> found = keys_of(name);
   ASSERT_EQ(found.size(), expected.size()) << name;
   for (std::size_t i = 0; i < found.size(); ++i) {
     EXPECT_EQ(found[i].key, expected[i].key) << name;
@@ -82,9 +103,10 @@ void expect_defaults_in(const std::string& name) {
 }
 
 TEST(ExampleConfiguration, HoldsAllKeysAndDefaults) {
-  expect_defaults_in<ParticleSlamParameters>("pf.yaml");
-  expect_defaults_in<VbParticleSlamParameters>("vb_pf.yaml");
-  expect_defaults_in<EmParticleSlamParameters>("em_pf.yaml");
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (expect_keys_and_defaults<I>(), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<SlamFilterParameters>>());
 }
 
 }  // namespace

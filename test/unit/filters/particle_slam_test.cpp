@@ -217,6 +217,24 @@ TEST(ParticleSlam, MapBelongsToThePathThroughAllResamplings) {
   }
 }
 
+TEST(ParticleSlam, TakesEveryResamplingMethod) {
+  const auto path = arc_path(30, 0.1, 0.1);
+  const auto r = record(corner_scene(), path, noisy_drive(), 8);
+  for (const auto& [name, method] : particle::resampling_choices()) {
+    auto p = with_particles(60);
+    p.resampling = method;
+    ParticleSlam filter(p, 3);
+    int resamplings = 0;
+    for (std::size_t i = 0; i < r.heard.size(); ++i) {
+      filter.predict(r.odometry[i]);
+      filter.update(r.heard[i].scan, r.features[i]);
+      resamplings += filter.estimate().resampled;
+    }
+    EXPECT_GT(resamplings, 3) << name;
+    EXPECT_LT((filter.estimate().pose.position() - path.back().position()).norm(), 0.15) << name;
+  }
+}
+
 TEST(ParticleSlam, ZeroMotionMovesNothing) {
   ParticleSlam filter(with_particles(20), 1, {1.0, 2.0, 3.0});
   Rng rng(1);

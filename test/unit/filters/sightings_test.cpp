@@ -1,4 +1,4 @@
-#include "filters/slam/sightings.hpp"
+#include "filters/slam/point_maps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/gaussian.hpp"
+#include "filters/slam/particle_kernel.hpp"
 #include "filters/slam/particle_slam.hpp"
 #include "models/range_bearing.hpp"
 
@@ -109,16 +110,38 @@ TEST(Sightings, OrderInTheMessageChangesNothing) {
   }
 }
 
+/// One particle at the origin that has seen one landmark, at (2, 0), of covariance 1e-4 I.
+class OneLandmark {
+ public:
+  explicit OneLandmark(const SightingParameters& parameters) : points_(1, parameters) {
+    LandmarkDetections first;
+    first.detections.push_back({.range = 2.0, .covariance = Vector2(1e-4, 1e-4 / 4.0).asDiagonal().toDenseMatrix()});
+    see(first);
+  }
+  ObservationFit see(const LandmarkDetections& d) {
+    points_.begin(d, next_id_);
+    points_.associate(std::vector<Pose2>(1), {});
+    points_.make_writable();
+    return update_map(points_.view(0), {}, KalmanUpdate{});
+  }
+  [[nodiscard]] std::size_t size() const { return points_.maps().size(0); }
+  [[nodiscard]] const PointLandmark& at(std::size_t k) const { return points_.maps().at(0, k); }
+
+ private:
+  PointMaps points_;
+  std::int64_t next_id_ = -2;
+};
+
 TEST(Sightings, TwoSightingsNeverShareALandmark) {
-  std::vector<PointLandmark> map{{.id = -2, .position = {2.0, 0.0}, .covariance = 1e-4 * Matrix2::Identity()}};
+  const SightingParameters parameters;
+  OneLandmark map(parameters);
   LandmarkDetections d;
   for (const double range : {2.02, 1.9}) {
     d.detections.push_back({.range = range, .covariance = sighting_covariance()});
   }
-  const SightingParameters parameters;
-  const auto fit = apply_sightings(d, {}, -3, parameters, map);
+  const auto fit = map.see(d);
   ASSERT_EQ(map.size(), 1u);  // the second is too near to be new, and the landmark is taken
-  EXPECT_EQ(map[0].observations, 1);
+  EXPECT_EQ(map.at(0).observations, 2);
   EXPECT_EQ(fit.degrees_of_freedom, 2);
   const Matrix2 s = sighting_covariance() + Vector2(1e-4, 1e-4 / 4.0).asDiagonal().toDenseMatrix();
   EXPECT_NEAR(fit.log_likelihood, log_gaussian<2>(Vector2(0.02, 0.0), s) + std::log(parameters.new_density), 1e-9);
@@ -126,13 +149,12 @@ TEST(Sightings, TwoSightingsNeverShareALandmark) {
 
 TEST(Sightings, TheUnassociatedAlwaysPays) {
   const SightingParameters parameters;
-  std::vector<PointLandmark> map{{.id = -2, .position = {2.0, 0.0}, .covariance = 1e-4 * Matrix2::Identity()}};
   const auto cost_of = [&](double range) {
+    OneLandmark map(parameters);
     LandmarkDetections d;
     d.detections.push_back({.range = range, .covariance = sighting_covariance()});
-    auto copy = map;
-    const auto fit = apply_sightings(d, {}, -3, parameters, copy);
-    return std::pair{fit.log_likelihood, copy.size()};
+    const auto fit = map.see(d);
+    return std::pair{fit.log_likelihood, map.size()};
   };
   const double sd = std::sqrt(0.0101);
   EXPECT_EQ(cost_of(2.0 + 4.0 * sd), (std::pair{std::log(parameters.new_density), std::size_t{1}}));  // dropped

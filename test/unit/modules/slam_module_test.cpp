@@ -51,7 +51,7 @@ class SlamModuleTest : public ::testing::Test {
  protected:
   SlamModuleTest() {
     SlamModuleParameters parameters;
-    parameters.filter = filters::ParticleSlamParameters{.particles = 20};
+    std::get<filters::ParticleSlamParameters>(parameters.filter).particles = 20;
     module_ = std::make_unique<SlamModule>(bus_, parameters, SlamInput{}, 1, Pose2{});
   }
   void o(std::int64_t seq) { send("ODOMETRY", convert::to_message(motion(seq))); }

@@ -49,5 +49,14 @@ TEST(Weights, RefuseNotANumber) {
   EXPECT_THROW(Weights(0), std::invalid_argument);
 }
 
+TEST(Weights, AreAssignedUpToTheirSum) {
+  Weights w(2);
+  w.assign(std::vector{std::log(3.0), 0.0});
+  EXPECT_NEAR(w.linear()[0], 0.75, 1e-15);
+  EXPECT_THROW(w.assign(std::vector{std::nan(""), 0.0}), std::domain_error);
+  EXPECT_THROW(w.assign(std::vector{-kInf, -kInf}), std::domain_error);
+  EXPECT_NEAR(w.linear()[0], 0.75, 1e-15);
+}
+
 }  // namespace
 }  // namespace noctule::particle

@@ -1,9 +1,12 @@
 /// The worlds and robots in config/.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "config/config.hpp"
+#include "sim/landmark_map.hpp"
+#include "sim/landmark_world.hpp"
 #include "sim/simulator.hpp"
 #include "unit/sim/heptagon.hpp"
 
@@ -55,11 +58,37 @@ TEST(DataFiles, EasyAndHardDifferInTheOdometryAlone) {
 
 TEST(DataFiles, EveryRobotCanRunInEveryWorld) {
   for (const auto& world : std::filesystem::directory_iterator(kConfig / "worlds")) {
+    if (world.is_directory()) continue;  // worlds of landmarks, not rooms
     for (const auto& robot : std::filesystem::directory_iterator(kConfig / "robots")) {
       EXPECT_NO_THROW(
           Simulator(config::load<WorldParameters>(world.path()), config::load<RobotParameters>(robot.path()), 1))
           << world << " " << robot;
     }
+  }
+}
+
+TEST(DataFiles, LandmarkWorldsHaveTheStatedCountsAndCanBeDriven) {
+  struct Stated {
+    const char* name;
+    std::size_t landmarks;
+    double scale;
+    SteeredVehicleParameters vehicle;
+  };
+  const Stated slow{"small_web", 35, 0.35, {.speed = 1.0, .wheelbase = 1.0}};
+  for (const Stated& stated : {Stated{"web", 35, 1.0, {}}, Stated{"web135", 135, 1.0, {}}, slow}) {
+    const auto file = kConfig / "worlds/landmarks" / (std::string(stated.name) + ".yaml");
+    const auto world = config::load<LandmarkMapParameters>(file);
+    EXPECT_EQ(world.name, stated.name);
+    EXPECT_EQ(world.scale, stated.scale);
+    const LandmarkMapPlaces places = places_of(world);
+    EXPECT_EQ(places.landmarks.size(), stated.landmarks);
+    EXPECT_EQ(places.waypoints.size(), 17u);
+    const auto steps = plan_steps(places.start, places.waypoints, 2, stated.vehicle);
+    std::size_t seen = 0;
+    for (const KnownLandmark& l : places.landmarks) {
+      seen += std::ranges::any_of(steps, [&](const ControlStep& s) { return sees(s.pose, l.position, 30.0); });
+    }
+    EXPECT_GT(seen, 0.75 * static_cast<double>(stated.landmarks)) << stated.name;
   }
 }
 

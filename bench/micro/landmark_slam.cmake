@@ -1,0 +1,1 @@
+noctule_bench(landmark_slam ROOMS filters)

@@ -1,0 +1,1 @@
+noctule_bench(state_filter ROOMS particle models)

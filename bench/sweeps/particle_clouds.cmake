@@ -1,0 +1,1 @@
+noctule_sweep(particle_clouds ROOMS particle models report)

@@ -1,0 +1,101 @@
+#include "filters/slam/fastslam.hpp"
+
+#include "filters/slam/odometry_proposal.hpp"
+#include "filters/slam/particle_kernel.hpp"
+
+namespace noctule::filters {
+
+FastSlam1::FastSlam1(const FastSlam1Parameters& parameters, std::uint64_t seed, const Pose2& start,
+                     const OffspringTempering& tempering)
+    : LandmarkSlam("FastSLAM 1", parameters, tempering, seed, start), sample_(parameters.sample) {}
+
+void FastSlam1::add_motion(const Odometry& odometry) {
+  if (sample_ == Sampling::scan) {
+    LandmarkSlam::add_motion(odometry);
+  } else {
+    move({odometry.increment, odometry.covariance}, stream_id("landmark_slam.odometry"), odometry_++);
+  }
+}
+
+void FastSlam1::before_association() {
+  if (sample_ == Sampling::scan) move(motion_, stream_id("landmark_slam.motion"), particles_.step());
+  motion_ = {};
+}
+
+void FastSlam1::move(const PoseGaussian& motion, std::uint64_t stream, std::uint64_t step) {
+  const OdometryProposal::Sampler sample(motion);
+  for_particles([&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Pose2& pose = particles_.poses()[i];
+      pose = pose * sample(Rng(seed_, stream, step, static_cast<std::uint32_t>(i)));
+    }
+  });
+}
+
+void FastSlam1::take_in(std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    fits_[i] = update_map(points_.view(i), particles_.poses()[i], KalmanUpdate{});
+  }
+}
+
+FastSlam2::FastSlam2(const FastSlam2Parameters& parameters, std::uint64_t seed, const Pose2& start,
+                     const OffspringTempering& tempering)
+    : LandmarkSlam("FastSLAM 2", parameters, tempering, seed, start), linear_within_(parameters.linear_within) {}
+
+bool FastSlam2::may_wait() const {
+  return motion_.covariance(2, 2) < linear_within_ * linear_within_;
+}
+
+namespace {
+
+/// Kalman update of the motion by the sightings of known landmarks, one after the other, about the running mean.
+MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, const PoseGaussian& motion) {
+  MotionPosterior q{motion.mean.vector(), motion.covariance, {}};
+  const std::size_t known = view.maps.size(view.particle);
+  const Vector2 heading(std::cos(before.yaw), std::sin(before.yaw));
+  LogDensity density;
+  int free = 0;
+  for (std::size_t k = 0; k < view.slots.size(); ++k) {
+    if (!view.is_known(k, known)) {
+      ++free;
+      continue;
+    }
+    const Sighting& z = view.scan.sightings[k];
+    const PointLandmark& m = view.landmark(k);
+    const Pose2 base = before * Pose2{q.mean[0], q.mean[1], q.mean[2]};
+    const Pose2 sensor = sensor_pose(base, view.scan.sensor_in_base);
+    const Innovation v = innovation<double>(z, sensor, m.x, m.y);
+    const InnovationCovariance at_pose = innovation_covariance<double>(z, v, cross_covariance<double>(m, v));
+    const auto h = by_motion(v, heading, sensor.position() - base.position());
+    const Eigen::Matrix<double, 3, 2> pht = q.covariance * h.transpose();
+    const Matrix2 hph = h * pht;
+    const InnovationCovariance s(at_pose.rr + hph(0, 0), at_pose.rb + hph(0, 1), at_pose.bb + hph(1, 1), v);
+    density.multiply(s);
+    if (!(s.distance2 < kInf)) continue;
+    Matrix2 inverse, noise;
+    inverse << s.bb, -s.rb, -s.rb, s.rr;
+    noise << at_pose.rr, at_pose.rb, at_pose.rb, at_pose.bb;
+    const Eigen::Matrix<double, 3, 2> gain = pht * (inverse / s.determinant);
+    q.mean += gain * Vector2(v.range, v.bearing);
+    const Matrix3 a = Matrix3::Identity() - gain * h;
+    q.covariance = (a * q.covariance * a.transpose() + gain * noise * gain.transpose()).eval();
+  }
+  q.fit = density.fit(free, view.log_new_density);
+  return q;
+}
+
+}  // namespace
+
+void FastSlam2::take_in(std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    Pose2& pose = particles_.poses()[i];
+    const ParticleView view = points_.view(i);
+    const MotionPosterior q = linear_posterior(view, pose, motion_);
+    fits_[i] = q.fit;
+    Rng rng = motion_rng(i);
+    pose = pose * draw_motion(q, rng);
+    update_map(view, pose, KalmanUpdate{});
+  }
+}
+
+}  // namespace noctule::filters
