@@ -64,10 +64,12 @@ void LandmarkMaps::own(std::size_t particle, std::size_t slot) {
 
 void LandmarkMaps::own(std::size_t particle, std::span<const std::int32_t> slots) {
   if (!shared_) return;
+  std::size_t latest = ~std::size_t{0};  // neighbours are often seen together
   for (const std::int32_t slot : slots) {
-    if (slot >= 0 && static_cast<std::uint32_t>(slot) < sizes_[particle]) {
-      own_page(particle, static_cast<std::size_t>(slot) / kPage);
-    }
+    if (slot < 0 || static_cast<std::uint32_t>(slot) >= sizes_[particle]) continue;
+    const std::size_t index = static_cast<std::size_t>(slot) / kPage;
+    if (index != latest) own_page(particle, index);
+    latest = index;
   }
 }
 
