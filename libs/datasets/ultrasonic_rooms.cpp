@@ -10,17 +10,17 @@
 namespace noctule::datasets {
 namespace {
 
-enum Column { kTime = 0, kYaw = 1, kRange = 4 };
+enum SweepColumn { kSweepTime = 0, kSweepYaw = 1, kSweepRange = 4 };
 
 constexpr double kSaturatedMm = 300.0, kNoEchoMm = 5000.0;
 
 // NED yaw at a time, linear between rows, held before the first.
 double yaw_at(const Table& table, int last_row, double time) {
   int row = last_row;
-  while (row > 0 && table(row, kTime) > time) --row;
-  const double t0 = table(row, kTime), y0 = table(row, kYaw);
+  while (row > 0 && table(row, kSweepTime) > time) --row;
+  const double t0 = table(row, kSweepTime), y0 = table(row, kSweepYaw);
   if (row == last_row || time <= t0) return y0;
-  const double t1 = table(row + 1, kTime), y1 = table(row + 1, kYaw);
+  const double t1 = table(row + 1, kSweepTime), y1 = table(row + 1, kSweepYaw);
   return wrap(y0 + (time - t0) / (t1 - t0) * wrap(y1 - y0));
 }
 
@@ -38,7 +38,7 @@ Recording read(const UltrasonicRoomsParameters& p) {
   std::string header = columns.front();
   for (std::size_t i = 1; i < columns.size(); ++i) header += "," + columns[i];
   const Table table(p.path, {.columns = columns, .separator = ',', .header = header});
-  table.require_ascending(kTime, true);
+  table.require_ascending(kSweepTime, true);
 
   Recording recording;
   recording.notes = table.notes();
@@ -54,16 +54,16 @@ Recording read(const UltrasonicRoomsParameters& p) {
     scan.beams.clear();
   };
   for (int row = 1; row < table.rows(); ++row) {
-    const double range = table.at_least(0.0, row, kRange);
-    if (range == table(row - 1, kRange)) continue;
-    const std::int64_t utime = table.utime(row, kTime, 1.0);
+    const double range = table.at_least(0.0, row, kSweepRange);
+    if (range == table(row - 1, kSweepRange)) continue;
+    const std::int64_t utime = table.utime(row, kSweepTime, 1.0);
     if (p.window > 0.0) {
-      const std::int64_t of_row = std::llround(std::floor((table(row, kTime) - table(0, kTime)) / p.window));
+      const std::int64_t of_row = std::llround(std::floor((table(row, kSweepTime) - table(0, kSweepTime)) / p.window));
       if (of_row != window) finish();
       window = of_row;
     }
     scan.stamp.utime = utime;
-    scan.beams.push_back(ping(yaw_at(table, row, table(row, kTime) - p.lag), range));
+    scan.beams.push_back(ping(yaw_at(table, row, table(row, kSweepTime) - p.lag), range));
   }
   finish();
   if (recording.observations.empty()) throw InputError(p.path.string() + ": expected ranges that change, got none");

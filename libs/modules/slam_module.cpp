@@ -9,10 +9,9 @@
 namespace noctule::modules {
 namespace {
 
-/// Learned noise explains any innovation away. Those under the configured noise are watched, therefore: so large (the
-/// mean per degree of freedom is 1), so many observations in a row, they are reported.
-constexpr double kSurprisingNis = 4.0;
-constexpr int kSurprises = 5;
+/// Learned noise explains any innovation away. Those under the configured noise are watched, therefore, and reported
+/// when their mean over so many observations is so large (it should be 1).
+constexpr double kSurprisingNis = 4.0, kNisMemory = 5.0;
 
 }  // namespace
 
@@ -79,9 +78,9 @@ void SlamModule::process(const Input& input, const ContourFeatures& features) {
 void SlamModule::publish_estimate() {
   const SlamEstimate estimate = filter_->estimate();
   publish(bus::channel::kSlamEstimate, estimate);
-  surprises_ = estimate.nis > kSurprisingNis ? surprises_ + 1 : 0;
-  if (surprises_ == kSurprises) {
-    warn("innovations are far above the configured noise (NIS " + std::to_string(estimate.nis) +
+  mean_nis_ += (estimate.nis - mean_nis_) / kNisMemory;
+  if (mean_nis_ > kSurprisingNis) {
+    warn("innovations are far above the configured noise (NIS " + std::to_string(mean_nis_) +
          "); the filter takes the noise to be " + std::to_string(estimate.noise_scale) +
          " times as large: either it is, or the pose or the map is wrong");
   }

@@ -55,7 +55,7 @@ class SlamModule : public Module {
   std::unique_ptr<filters::SlamFilter> filter_;
   std::deque<Input> waiting_;                      ///< empty, or a scan without features and what came after it
   std::optional<ContourFeatures> early_features_;  ///< overtook their scan
-  int surprises_ = 0;                              ///< observations in a row that the nominal noise does not explain
+  double mean_nis_ = 1.0;                          ///< NIS under the nominal noise, faded
   std::int64_t features_due_ = 0;                  ///< number of the first scan whose features may still come
   std::optional<std::int64_t> map_utime_;
 };

@@ -74,21 +74,27 @@ struct ScaledRange {
   }
 };
 
+/// Apart, so that the loop of a filter with fixed noise stays small.
+template <class Hypothesis>
+[[gnu::noinline]] double log_density_learned(const EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
+  const ScaledRange range(i, e);
+  return e.noise->log_density(range.value, range.extra) -
+         0.5 * (i.direction * i.direction / i.variance + std::log(kTwoPi * i.variance * e.range_variance));
+}
+
 template <class Hypothesis>
 double log_density(const Hypothesis& h, const PlacedEcho& e) {
   if (!h.in_view(e)) return -kInf;
   const EchoInnovation<Hypothesis> i(h, e);
-  if (e.noise == nullptr) return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
-  const ScaledRange range(i, e);
-  return e.noise->log_density(range.value, range.extra) -
-         0.5 * (i.direction * i.direction / i.variance + std::log(kTwoPi * i.variance * e.range_variance));
+  if (e.noise != nullptr) return log_density_learned(i, e);
+  return kLogTop - 0.5 * (i.distance2() + std::log(i.determinant));
 }
 
 /// Puts into the innovation of the range what the learned noise says of this very echo: its bias and variance.
 /// \return with the moments of the range's residual after the update: with y = S^-1 innovation, the residual is bias +
 /// R y and the predicted range keeps the variance R - R S^-1 R
 template <class Hypothesis>
-AssimilatedEcho make_innovation_effective(EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
+[[gnu::noinline]] AssimilatedEcho make_innovation_effective(EchoInnovation<Hypothesis>& i, const PlacedEcho& e) {
   AssimilatedEcho result;
   result.nis = i.distance2();
   const ScaledRange range(i, e);

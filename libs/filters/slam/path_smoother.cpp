@@ -11,39 +11,6 @@
 #include "filters/slam/directions.hpp"
 
 namespace noctule::filters {
-namespace {
-
-/// A wall (rho, theta) about the origin, or a circle (x, y, radius), map frame.
-struct SmoothedLandmark {
-  LandmarkEstimate filtered;  ///< what the filter said
-  bool wall;
-  Vector3 mean, prior, prior_precision;
-  Eigen::Index column;  ///< of its first parameter in the border
-  Vector2 normal;       ///< of a wall
-  int echoes = 0;
-
-  [[nodiscard]] Eigen::Index size() const { return wall ? 2 : 3; }
-  void refresh() {
-    if (wall) normal << std::cos(mean[1]), std::sin(mean[1]);
-  }
-};
-
-/// Prediction of an echo with what is needed for its Jacobians.
-struct SmoothedEcho {
-  double range;
-  Vector2 direction;
-  double distance;  ///< to a circle's centre; walls: infinite
-};
-
-SmoothedEcho echo_of(const SmoothedLandmark& l, const Vector2& sensor) {
-  if (l.wall) return {l.mean[0] - l.normal.dot(sensor), l.normal, kInf};
-  const Vector2 d = l.mean.head<2>() - sensor;
-  const double distance = std::max(d.norm(), 1e-6);
-  return {distance - l.mean[2], d / distance, distance};
-}
-
-}  // namespace
-
 /// One smoothing on its way.
 class SmoothingProblem {
  public:
@@ -71,30 +38,58 @@ class SmoothingProblem {
     const ArrowSystem::Covariance covariance = system_.covariance();
     result.poses = state_.poses;
     result.covariances = covariance.poses;
-    for (const SmoothedLandmark& l : state_.landmarks)
-      result.map.landmarks.push_back(estimate_of(l, covariance.border));
+    for (const Landmark& l : state_.landmarks) result.map.landmarks.push_back(estimate_of(l, covariance.border));
     return result;
   }
 
  private:
-  struct State {
-    std::vector<Pose2> poses;
-    std::vector<SmoothedLandmark> landmarks;
+  /// A wall (rho, theta) about the origin, or a circle (x, y, radius), map frame.
+  struct Landmark {
+    LandmarkEstimate filtered;  ///< what the filter said
+    bool wall;
+    Vector3 mean, prior, prior_precision;
+    Eigen::Index column;  ///< of its first parameter in the border
+    Vector2 normal;       ///< of a wall
+    int echoes = 0;
+
+    [[nodiscard]] Eigen::Index size() const { return wall ? 2 : 3; }
+    void refresh() {
+      if (wall) normal << std::cos(mean[1]), std::sin(mean[1]);
+    }
   };
 
-  std::vector<SmoothedLandmark> landmarks_of(const LandmarkMap& map) {
-    std::vector<SmoothedLandmark> result;
+  /// Prediction of an echo with what is needed for its Jacobians.
+  struct Prediction {
+    double range;
+    Vector2 direction;
+    double distance;  ///< to a circle's centre; walls: infinite
+  };
+
+  static Prediction echo_of(const Landmark& l, const Vector2& sensor) {
+    if (l.wall) return {l.mean[0] - l.normal.dot(sensor), l.normal, kInf};
+    const Vector2 d = l.mean.head<2>() - sensor;
+    const double distance = std::max(d.norm(), 1e-6);
+    return {distance - l.mean[2], d / distance, distance};
+  }
+
+  struct State {
+    std::vector<Pose2> poses;
+    std::vector<Landmark> landmarks;
+  };
+
+  std::vector<Landmark> landmarks_of(const LandmarkMap& map) {
+    std::vector<Landmark> result;
     border_ = 0;
     for (const LandmarkEstimate& e : map.landmarks) {
       if (e.kind == LandmarkKind::undecided) continue;
-      SmoothedLandmark l{.filtered = e,
-                         .wall = e.kind == LandmarkKind::wall,
-                         .mean = e.parameters,
-                         .prior = e.parameters,
-                         // Of a landmark that no echo determines any more.
-                         .prior_precision = Vector3::Constant(1.0 / (kWidePrior * kWidePrior)),
-                         .column = border_,
-                         .normal = Vector2::UnitX()};
+      Landmark l{.filtered = e,
+                 .wall = e.kind == LandmarkKind::wall,
+                 .mean = e.parameters,
+                 .prior = e.parameters,
+                 // Of a landmark that no echo determines any more.
+                 .prior_precision = Vector3::Constant(1.0 / (kWidePrior * kWidePrior)),
+                 .column = border_,
+                 .normal = Vector2::UnitX()};
       if (e.kind == LandmarkKind::point) l.prior_precision[2] = 1.0 / (s_.point_radius_sd_ * s_.point_radius_sd_);
       l.refresh();
       border_ += l.size();
@@ -110,7 +105,7 @@ class SmoothingProblem {
       Pose2& p = next.poses[k];
       p = {p.x + d[0], p.y + d[1], wrap(p.yaw + d[2])};
     }
-    for (SmoothedLandmark& l : next.landmarks) {
+    for (Landmark& l : next.landmarks) {
       l.mean.head(l.size()) += step.border.segment(l.column, l.size());
       l.refresh();
     }
@@ -141,7 +136,7 @@ class SmoothingProblem {
       }
       begin = node.echoes_end;
     }
-    for (const SmoothedLandmark& l : state.landmarks) {
+    for (const Landmark& l : state.landmarks) {
       const Vector3 d = l.mean - l.prior;
       cost += 0.5 * d.head(l.size()).cwiseAbs2().dot(l.prior_precision.head(l.size()));
       on_prior(l, d);
@@ -158,11 +153,11 @@ class SmoothingProblem {
     const double gate_cosine = std::cos(std::min(4.0 * node.bearing_sd, kPi));
     const double log_top = -std::log(echo.sd * node.bearing_sd * std::sqrt(kTwoPi));
     const double log_clutter = s_.echo_.log_clutter();
-    SmoothedLandmark* best = nullptr;
+    Landmark* best = nullptr;
     double log_best = log_clutter - 10.0;  // what is left out changes the likelihood by less than 1e-4
-    SmoothedEcho predicted{};
-    for (SmoothedLandmark& l : state.landmarks) {
-      const SmoothedEcho p = echo_of(l, sensor);
+    Prediction predicted{};
+    for (Landmark& l : state.landmarks) {
+      const Prediction p = echo_of(l, sensor);
       if (p.direction.dot(axis) < gate_cosine || p.range <= 0.0) continue;
       const double e = (echo.range - p.range) / echo.sd;
       if (std::abs(e) > 200.0) continue;
@@ -182,16 +177,16 @@ class SmoothingProblem {
   /// Fills the system at `state`. \return the cost
   double linearise(State& state) {
     system_.set_zero();
-    for (SmoothedLandmark& l : state.landmarks) l.echoes = 0;
+    for (Landmark& l : state.landmarks) l.echoes = 0;
     return evaluate(
         state,
         [&](std::size_t k, const Pose2& from, const Vector3& error, const PathSmoother::Node& node) {
           add_motion(k, from, state.poses[k], error, node.information);
         },
-        [&](std::size_t k, SmoothedLandmark& l, const SmoothedEcho& p, const Vector2& axis, const Vector2& lever,
+        [&](std::size_t k, Landmark& l, const Prediction& p, const Vector2& axis, const Vector2& lever,
             const PathSmoother::SensedEcho& echo, const PathSmoother::Node& node,
             double probability) { add_echo(k, l, p, axis, lever, echo, node, probability); },
-        [&](const SmoothedLandmark& l, const Vector3& d) {
+        [&](const Landmark& l, const Vector3& d) {
           for (Eigen::Index i = 0; i < l.size(); ++i) {
             system_.corner()(l.column + i, l.column + i) += l.prior_precision[i];
             system_.corner_gradient()[l.column + i] += l.prior_precision[i] * d[i];
@@ -216,7 +211,7 @@ class SmoothingProblem {
   }
 
   /// Range and direction of an echo; `probability` that it is no clutter.
-  void add_echo(std::size_t k, SmoothedLandmark& l, const SmoothedEcho& p, const Vector2& axis, const Vector2& lever,
+  void add_echo(std::size_t k, Landmark& l, const Prediction& p, const Vector2& axis, const Vector2& lever,
                 const PathSmoother::SensedEcho& echo, const PathSmoother::Node& node, double probability) {
     ++l.echoes;
     const Vector2& u = p.direction;
@@ -245,8 +240,8 @@ class SmoothingProblem {
     accumulate(k, l, by_pose, by_landmark, direction_error, probability / (node.bearing_sd * node.bearing_sd));
   }
 
-  void accumulate(std::size_t k, const SmoothedLandmark& l, const Vector3& by_pose, const Vector3& by_landmark,
-                  double error, double precision) {
+  void accumulate(std::size_t k, const Landmark& l, const Vector3& by_pose, const Vector3& by_landmark, double error,
+                  double precision) {
     system_.diagonal(k) += precision * by_pose * by_pose.transpose();
     system_.gradient(k) += precision * error * by_pose;
     const Eigen::Index n = l.size();
@@ -256,7 +251,7 @@ class SmoothingProblem {
     system_.corner_gradient().segment(l.column, n) += precision * error * by_landmark.head(n);
   }
 
-  [[nodiscard]] LandmarkEstimate estimate_of(const SmoothedLandmark& l, const Eigen::MatrixXd& covariance) const {
+  [[nodiscard]] LandmarkEstimate estimate_of(const Landmark& l, const Eigen::MatrixXd& covariance) const {
     LandmarkEstimate e = l.filtered;
     e.observations = l.echoes;
     e.covariance.setZero();
