@@ -120,7 +120,7 @@ std::vector<eval::Metric> figures(const Result& result, const Stream& stream, co
 ContourRoom::ContourRoom(const ScenarioSpec& spec) : parameters_(config::load<ContourRoomParameters>(spec.config)) {}
 
 std::vector<std::string> ContourRoom::filters() const {
-  return {"pf", "vb_pf", "em_pf", "known_pose", "dead_reckoning"};
+  return {"pf", "vb_pf", "em_pf", kKnownPose, kDeadReckoning};
 }
 
 std::vector<std::string> ContourRoom::metrics() const {
@@ -142,9 +142,9 @@ std::vector<FilterRun> ContourRoom::run(std::uint64_t seed, std::span<const Filt
   std::vector<FilterRun> runs;
   for (const FilterSpec& spec : filters) {
     const double begin = cpu_seconds();
-    const Result result = spec.name == "known_pose"       ? true_path(stream)
-                          : spec.name == "dead_reckoning" ? dead_reckon(stream)
-                                                          : filter(stream, slam_filter_parameters(spec), seed);
+    const Result result = spec.name == kKnownPose       ? true_path(stream)
+                          : spec.name == kDeadReckoning ? dead_reckon(stream)
+                                                        : filter(stream, slam_filter_parameters(spec), seed);
     const double filter_time = cpu_seconds() - begin;
     runs.push_back({.figures = figures(result, stream, parameters_.mapper),
                     .timings = {{"cpu_per_scan", filter_time / static_cast<double>(stream.stops.size()), "s"}},

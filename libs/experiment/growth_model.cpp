@@ -25,7 +25,7 @@ constexpr std::pair<const char*, Improvement> kParticleFilters[] = {
     {"apf_resample_move", Improvement::apf_resample_move}};
 
 /// What every filter is fed, and the truth.
-struct Stream {
+struct GrowthRun {
   std::vector<double> states, measurements;  ///< after each step
 };
 
@@ -33,10 +33,10 @@ GrowthModel model_of(const GrowthModelParameters& p) {
   return {std::sqrt(p.process_variance), std::sqrt(p.measurement_variance), std::sqrt(p.initial_variance)};
 }
 
-Stream simulate(const GrowthModel& model, int steps, std::uint64_t seed) {
+GrowthRun simulate(const GrowthModel& model, int steps, std::uint64_t seed) {
   Rng start(seed, stream_id("growth_model.start")), process(seed, stream_id("growth_model.process")),
       measurement(seed, stream_id("growth_model.measurement"));
-  Stream stream;
+  GrowthRun stream;
   double x = model.initial_deviation * start.normal();
   for (int step = 1; step <= steps; ++step) {
     model.motion(step)(&x, &x);
@@ -47,20 +47,20 @@ Stream simulate(const GrowthModel& model, int steps, std::uint64_t seed) {
   return stream;
 }
 
-struct Result {
+struct GrowthTrack {
   std::vector<double> means;
   std::vector<double> effective, distinct;  ///< of particle filters: sample size, and share of distinct states
   double seconds = 0.0;
 };
 
 /// The exact posterior mean, or the prediction without measurements.
-Result grid_filter(const GrowthModel& model, const Stream& stream, bool measures) {
+GrowthTrack grid_filter(const GrowthModel& model, const GrowthRun& stream, bool measures) {
   const double begin = cpu_seconds();
   // Beyond +-60 nothing comes with these variances: the drift halves what is large.
   filters::ScalarGrid grid(-60.0, 60.0, 1201);
   grid.set_normal(0.0, model.initial_deviation);
   std::vector<double> images(grid.points().size()), log_likelihoods(images.size());
-  Result result;
+  GrowthTrack result;
   for (std::size_t t = 0; t < stream.measurements.size(); ++t) {
     const auto motion = model.motion(static_cast<int>(t) + 1);
     for (std::size_t i = 0; i < images.size(); ++i) motion(&grid.points()[i], &images[i]);
@@ -83,11 +83,11 @@ double distinct_share(std::span<double> states) {
   return static_cast<double>(rest.begin() - states.begin()) / static_cast<double>(states.size());
 }
 
-Result particle_filter(const GrowthModel& model, const particle::StateFilterParameters& parameters,
-                       const Stream& stream, std::uint64_t seed) {
+GrowthTrack particle_filter(const GrowthModel& model, const particle::StateFilterParameters& parameters,
+                            const GrowthRun& stream, std::uint64_t seed) {
   const std::size_t steps = stream.measurements.size();
   const auto n = static_cast<std::size_t>(parameters.particles);
-  Result result{std::vector<double>(steps), std::vector<double>(steps), {}};
+  GrowthTrack result{std::vector<double>(steps), std::vector<double>(steps), {}};
   std::vector<double> clouds(steps * n);  // looked at when the clock stands
   const double begin = cpu_seconds();
   particle::StateFilter<GrowthModel> filter(model, parameters, seed);
@@ -125,7 +125,7 @@ GrowthFilterParameters parameters_of(const FilterSpec& spec) {
   return p;
 }
 
-Result run_filter(const GrowthModel& truth, const FilterSpec& spec, const Stream& stream, std::uint64_t seed) {
+GrowthTrack run_filter(const GrowthModel& truth, const FilterSpec& spec, const GrowthRun& stream, std::uint64_t seed) {
   if (!is_particle_filter(spec.name)) return grid_filter(truth, stream, spec.name == "oracle");
   const GrowthFilterParameters p = parameters_of(spec);
   GrowthModel model = truth;
@@ -144,7 +144,7 @@ double mean_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-FilterRun measured(const Result& result, const Stream& stream) {
+FilterRun measured(const GrowthTrack& result, const GrowthRun& stream) {
   Series errors{"absolute_error", "1", {}, {}};
   double squares = 0.0;
   for (std::size_t t = 0; t < stream.states.size(); ++t) {
@@ -187,7 +187,7 @@ void GrowthModelRuns::check(const FilterSpec& filter) const {
 
 std::vector<FilterRun> GrowthModelRuns::run(std::uint64_t seed, std::span<const FilterSpec> filters) const {
   const GrowthModel model = model_of(parameters_);
-  const Stream stream = simulate(model, parameters_.steps, seed);
+  const GrowthRun stream = simulate(model, parameters_.steps, seed);
   std::vector<FilterRun> runs;
   for (const FilterSpec& spec : filters) runs.push_back(measured(run_filter(model, spec, stream, seed), stream));
   return runs;

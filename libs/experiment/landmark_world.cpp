@@ -6,15 +6,10 @@
 #include "core/error.hpp"
 #include "experiment/landmark_track.hpp"
 #include "experiment/slam_filters.hpp"
-#include "filters/slam/sightings.hpp"
 #include "smoothing/landmark_smoother.hpp"
 
 namespace noctule::experiment {
 namespace {
-
-constexpr const char* kDeadReckoning = "dead_reckoning";
-constexpr const char* kKnownPose = "known_pose";
-constexpr const char* kSmoother = "smoother";
 
 /// What makes an estimate of each scan as it comes.
 class Follower {
@@ -40,29 +35,34 @@ class FilterFollower : public Follower {
   std::unique_ptr<filters::SlamFilter> filter_;
 };
 
-/// Puts landmarks on the map along a path that is taken as certain: an extended Kalman filter each.
+/// Puts landmarks on the map along a path that is taken as certain: FastSLAM 1 with one particle and odometry that does
+/// not err.
 class PathMapper {
  public:
+  explicit PathMapper(const Pose2& start) : filter_(make(start)), at_(start) {}
+
   void take(const LandmarkScan& scan, const Pose2& pose) {
-    static_cast<void>(filters::apply_sightings(scan.informed, pose, -2, {}, map_));
+    filter_->predict({.stamp = scan.informed.stamp, .increment = between(at_, pose)});
+    filter_->update(scan.informed);
+    at_ = pose;
   }
-  [[nodiscard]] LandmarkMap map() const {
-    LandmarkMap map;
-    for (const filters::PointLandmark& point : map_) {
-      LandmarkEstimate& e = map.landmarks.emplace_back();
-      e.id = point.id;
-      e.parameters.head<2>() = point.position;
-      e.covariance.topLeftCorner<2, 2>() = point.covariance;
-    }
-    return map;
-  }
+  [[nodiscard]] LandmarkMap map() const { return filter_->map(); }
 
  private:
-  std::vector<filters::PointLandmark> map_;
+  static std::unique_ptr<filters::SlamFilter> make(const Pose2& start) {
+    filters::FastSlam1Parameters parameters;
+    parameters.particles = 1;
+    return filters::make_slam_filter(parameters, 0, start);
+  }
+
+  std::unique_ptr<filters::SlamFilter> filter_;
+  Pose2 at_;
 };
 
 class TruePath : public Follower {
  public:
+  explicit TruePath(const Pose2& start) : mapper_(start) {}
+
   SlamEstimate take(const LandmarkScan& scan) override {
     mapper_.take(scan, scan.truth);
     SlamEstimate e;
@@ -77,7 +77,7 @@ class TruePath : public Follower {
 
 class DeadReckoning : public Follower {
  public:
-  explicit DeadReckoning(const Pose2& start) : pose_{start, Matrix3::Zero()} {}
+  explicit DeadReckoning(const Pose2& start) : pose_{start, Matrix3::Zero()}, mapper_(start) {}
 
   SlamEstimate take(const LandmarkScan& scan) override {
     for (const Odometry& o : scan.odometry) pose_ = pose_ * PoseGaussian{o.increment, o.covariance};
@@ -176,7 +176,7 @@ std::vector<FilterRun> LandmarkWorld::run(std::uint64_t seed, std::span<const Fi
     const LandmarkTrack track =
         spec.name == kSmoother ? smooth(stream, spec) : follow(stream, judgement, [&]() -> std::unique_ptr<Follower> {
           if (slam) return std::make_unique<FilterFollower>(spec, seed, stream.start);
-          if (spec.name == kKnownPose) return std::make_unique<TruePath>();
+          if (spec.name == kKnownPose) return std::make_unique<TruePath>(stream.start);
           return std::make_unique<DeadReckoning>(stream.start);
         });
     runs.push_back(judge(track, stream, judgement));

@@ -16,9 +16,7 @@ namespace noctule::experiment {
 namespace {
 
 constexpr double kSeriesStep = 10.0;  // [s]
-constexpr const char* kSmoother = "smoother";
 constexpr const char* kKnownMap = "known_map";
-constexpr const char* kDeadReckoning = "dead_reckoning";
 
 const std::filesystem::path& folder_of(const RecordedLandmarksParameters& p) {
   return std::visit([](const auto& source) -> const std::filesystem::path& { return source.path; }, p.source);

@@ -5,6 +5,11 @@
 
 namespace noctule::experiment {
 
+/// Lines to see SLAM filters by.
+inline constexpr const char* kDeadReckoning = "dead_reckoning";
+inline constexpr const char* kKnownPose = "known_pose";  ///< mapping along the true path
+inline constexpr const char* kSmoother = "smoother";     ///< batch maximum likelihood, associations known
+
 /// Whether filters::make_slam_filter knows the name.
 [[nodiscard]] bool is_slam_filter(const std::string& name);
 

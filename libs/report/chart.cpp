@@ -10,16 +10,16 @@
 namespace noctule::report {
 namespace {
 
-constexpr double kWidth = 560.0, kHeight = 190.0;
-constexpr PlotArea kPlot{52.0, kWidth - 10.0, 10.0, kHeight - 26.0, kWidth, kHeight};
+constexpr double kChartWidth = 560.0, kChartHeight = 190.0;
+constexpr PlotArea kChartArea{52.0, kChartWidth - 10.0, 10.0, kChartHeight - 26.0, kChartWidth, kChartHeight};
 
 /// Maps time and value to the drawing.
 struct Axes {
   explicit Axes(const Chart& chart)
       : time(chart.time.empty() ? 0.0 : chart.time.front(),
-             chart.time.empty() ? 1.0 : std::max(chart.time.back(), chart.time.front() + 1e-6), false, kPlot.left,
-             kPlot.right),
-        value(values_of(chart), chart.logarithmic, kPlot.bottom, kPlot.top) {}
+             chart.time.empty() ? 1.0 : std::max(chart.time.back(), chart.time.front() + 1e-6), false, kChartArea.left,
+             kChartArea.right),
+        value(values_of(chart), chart.logarithmic, kChartArea.bottom, kChartArea.top) {}
 
   [[nodiscard]] static ValueRange values_of(const Chart& chart) {
     ValueRange range(chart.logarithmic);
@@ -104,23 +104,24 @@ std::string text_at(const char* css_class, double x, double y, const std::string
 std::string grid(const Axes& axes) {
   std::string lines = "<path class=\"grid\" d=\"", labels;
   for (const auto& [value, label] : axes.value.ticks(6)) {
-    lines += "M" + point_text(kPlot.left, axes.y(value)) + "H" + fixed(kPlot.right, 1);
-    labels += text_at("tick-y", kPlot.left - 7.0, axes.y(value) + 4.0, label);
+    lines += "M" + point_text(kChartArea.left, axes.y(value)) + "H" + fixed(kChartArea.right, 1);
+    labels += text_at("tick-y", kChartArea.left - 7.0, axes.y(value) + 4.0, label);
   }
   for (const auto& [t, label] : axes.time.ticks(7)) {
-    if (axes.x(t) > kPlot.right - 25.0) continue;  // there stands the unit
-    lines += "M" + point_text(axes.x(t), kPlot.bottom) + "v4";
-    labels += text_at("tick-x", axes.x(t), kPlot.bottom + 17.0, label);
+    if (axes.x(t) > kChartArea.right - 25.0) continue;  // there stands the unit
+    lines += "M" + point_text(axes.x(t), kChartArea.bottom) + "v4";
+    labels += text_at("tick-x", axes.x(t), kChartArea.bottom + 17.0, label);
   }
-  labels += text_at("tick-x", kPlot.right - 2.0, kPlot.bottom + 17.0, "s");
+  labels += text_at("tick-x", kChartArea.right - 2.0, kChartArea.bottom + 17.0, "s");
   return lines + "\"/>" + labels;
 }
 
 std::string references(const Axes& axes, const Chart& chart) {
   std::string out;
   for (const ChartReference& r : chart.references) {
-    out += "<path class=\"reference\" d=\"M" + point_text(kPlot.left, axes.y(r.value)) + "H" + fixed(kPlot.right, 1) +
-           "\"/>" + text_at("reference-label", kPlot.right - 4.0, axes.y(r.value) - 4.0, r.label);
+    out += "<path class=\"reference\" d=\"M" + point_text(kChartArea.left, axes.y(r.value)) + "H" +
+           fixed(kChartArea.right, 1) + "\"/>" +
+           text_at("reference-label", kChartArea.right - 4.0, axes.y(r.value) - 4.0, r.label);
   }
   return out;
 }
@@ -137,22 +138,22 @@ std::string legend(const Chart& chart) {
 }  // namespace
 
 PlotArea plot_area() {
-  return kPlot;
+  return kChartArea;
 }
 
 std::string chart_html(const Chart& chart) {
   const Axes axes(chart);
   std::string out = "<figure class=\"chart\" id=\"" + chart.id + "\">\n<figcaption><b>" + escape(chart.title) + "</b>";
   if (!chart.unit.empty()) out += " <span class=\"unit\">" + escape(chart.unit) + "</span>";
-  out += legend(chart) + "</figcaption>\n<svg class=\"plot\" role=\"img\" viewBox=\"0 0 " + fixed(kWidth, 0) + " " +
-         fixed(kHeight, 0) + "\"><title>" + escape(chart.title) + "</title><desc>" + escape(chart.description) +
-         "</desc>\n" + grid(axes);
+  out += legend(chart) + "</figcaption>\n<svg class=\"plot\" role=\"img\" viewBox=\"0 0 " + fixed(kChartWidth, 0) +
+         " " + fixed(kChartHeight, 0) + "\"><title>" + escape(chart.title) + "</title><desc>" +
+         escape(chart.description) + "</desc>\n" + grid(axes);
   if (!chart.band.empty()) out += "<path class=\"band\" d=\"" + band_path(axes, chart) + "\"/>\n";
   for (const ChartSeries& s : chart.series) {
     out += "<path class=\"line " + s.css_class + "\" d=\"" + line_path(axes, chart.time, s.values) + "\"/>\n";
   }
-  return out + references(axes, chart) + "<line class=\"cursor\" y1=\"" + fixed(kPlot.top, 0) + "\" y2=\"" +
-         fixed(kPlot.bottom, 0) + "\"/></svg>\n<output class=\"readout\"></output>\n</figure>\n";
+  return out + references(axes, chart) + "<line class=\"cursor\" y1=\"" + fixed(kChartArea.top, 0) + "\" y2=\"" +
+         fixed(kChartArea.bottom, 0) + "\"/></svg>\n<output class=\"readout\"></output>\n</figure>\n";
 }
 
 }  // namespace noctule::report

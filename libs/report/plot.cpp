@@ -10,7 +10,7 @@
 namespace noctule::report {
 namespace {
 
-constexpr double kWidth = 560.0, kLeft = 62.0, kRight = 548.0, kHeight = 310.0, kBelow = 46.0;
+constexpr double kPlotWidth = 560.0, kPlotLeft = 62.0, kPlotRight = 548.0, kPlotHeight = 310.0, kBelowPlot = 46.0;
 constexpr double kLegendRow = 20.0, kSample = 30.0, kLetter = 7.2;
 constexpr const char* kSpace = " ";
 
@@ -67,13 +67,13 @@ class Drawing {
       : plot_(plot),
         columns_(legend_columns(plot)),
         top_(12.0 + kLegendRow * std::ceil(static_cast<double>(entries(plot).size()) / columns_)),
-        bottom_(top_ + kHeight - 60.0),
-        x_(x_range(plot), plot.x_logarithmic, kLeft, kRight),
+        bottom_(top_ + kPlotHeight - 60.0),
+        x_(x_range(plot), plot.x_logarithmic, kPlotLeft, kPlotRight),
         y_(y_range(plot), plot.y_logarithmic, bottom_, top_) {}
 
   [[nodiscard]] std::string svg(const std::string& style) const {
-    std::string out = "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 " + fixed(kWidth, 0) + kSpace +
-                      fixed(bottom_ + kBelow, 0) + "\"" +
+    std::string out = "<svg class=\"plot\" role=\"img\" viewBox=\"0 0 " + fixed(kPlotWidth, 0) + kSpace +
+                      fixed(bottom_ + kBelowPlot, 0) + "\"" +
                       (style.empty() ? "" : " xmlns=\"http://www.w3.org/2000/svg\"") + "><title>" +
                       escape(plot_.title) + "</title><desc>" + escape(plot_.description) + "</desc>\n";
     if (!style.empty()) {
@@ -103,7 +103,7 @@ class Drawing {
     std::size_t longest = 1;
     for (const Entry& e : entries(plot)) longest = std::max(longest, e.name.size());
     const double width = kSample + 16.0 + kLetter * static_cast<double>(longest);
-    return std::clamp(std::floor((kRight - kLeft) / width), 1.0, 4.0);
+    return std::clamp(std::floor((kPlotRight - kPlotLeft) / width), 1.0, 4.0);
   }
   static ValueRange x_range(const Plot& plot) {
     ValueRange range(plot.x_logarithmic);
@@ -135,8 +135,8 @@ class Drawing {
   [[nodiscard]] std::string grid() const {
     std::string lines, labels;
     for (const auto& [value, label] : y_.ticks(6)) {
-      lines += "M" + point_text(kLeft, y_.at(value)) + "H" + fixed(kRight, 1);
-      labels += text_at("tick-y", kLeft - 7.0, y_.at(value) + 4.0, label);
+      lines += "M" + point_text(kPlotLeft, y_.at(value)) + "H" + fixed(kPlotRight, 1);
+      labels += text_at("tick-y", kPlotLeft - 7.0, y_.at(value) + 4.0, label);
     }
     std::vector<Axis::Tick> ticks;
     if (plot_.x_ticks.empty()) {
@@ -144,19 +144,19 @@ class Drawing {
     } else {
       for (const double x : plot_.x_ticks) ticks.push_back({x, aligned(x, x == std::round(x) ? 0 : 2)});
     }
-    double free = kLeft - 20.0;
+    double free = kPlotLeft - 20.0;
     for (const auto& [value, label] : ticks) {
       lines += "M" + point_text(x_.at(value), bottom_) + "v4";
       if (x_.at(value) < free) continue;
       labels += text_at("tick-x", x_.at(value), bottom_ + 17.0, label);
       free = x_.at(value) + kLetter * static_cast<double>(label.size()) + 6.0;
     }
-    labels += text_at("axis-title", 0.5 * (kLeft + kRight), bottom_ + 38.0, plot_.x_title);
+    labels += text_at("axis-title", 0.5 * (kPlotLeft + kPlotRight), bottom_ + 38.0, plot_.x_title);
     const double middle = 0.5 * (top_ + bottom_);
     labels +=
         text_at("axis-title", 14.0, middle, plot_.y_title, " transform=\"rotate(-90 14 " + fixed(middle, 1) + ")\"");
-    return path("grid", lines) + path("axis", "M" + point_text(kLeft, bottom_) + "H" + fixed(kRight, 1)) + labels +
-           "\n";
+    return path("grid", lines) + path("axis", "M" + point_text(kPlotLeft, bottom_) + "H" + fixed(kPlotRight, 1)) +
+           labels + "\n";
   }
 
   [[nodiscard]] std::string line(const PlotLine& l) const {
@@ -164,10 +164,11 @@ class Drawing {
     std::string out;
     if (finite(l.interval)) {
       const double high = y_of(l.interval.high), low = y_of(l.interval.low);
-      out += path("interval " + l.css_class, "M" + point_text(kLeft, high) + "H" + fixed(kRight, 1) + "V" +
-                                                 fixed(low, 1) + "H" + fixed(kLeft, 1) + "Z");
+      out += path("interval " + l.css_class, "M" + point_text(kPlotLeft, high) + "H" + fixed(kPlotRight, 1) + "V" +
+                                                 fixed(low, 1) + "H" + fixed(kPlotLeft, 1) + "Z");
     }
-    return out + path("line " + l.css_class, "M" + point_text(kLeft, y_.at(l.value)) + "H" + fixed(kRight, 1)) + "\n";
+    return out + path("line " + l.css_class, "M" + point_text(kPlotLeft, y_.at(l.value)) + "H" + fixed(kPlotRight, 1)) +
+           "\n";
   }
 
   /// How far aside a series is drawn.
@@ -223,10 +224,10 @@ class Drawing {
 
   [[nodiscard]] std::string legend() const {
     std::string out;
-    const double width = (kRight - kLeft) / columns_;
+    const double width = (kPlotRight - kPlotLeft) / columns_;
     const std::vector<Entry> all = entries(plot_);
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const double x = kLeft + width * std::fmod(static_cast<double>(i), columns_);
+      const double x = kPlotLeft + width * std::fmod(static_cast<double>(i), columns_);
       const double y = 10.0 + kLegendRow * std::floor(static_cast<double>(i) / columns_);
       if (!plot_.clouds || !all[i].marked) out += path(line_class(all[i].css_class), "M" + point_text(x, y) + "h24");
       if (all[i].marked) out += mark(all[i].css_class, x + 12.0, y, "");

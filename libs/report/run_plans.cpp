@@ -8,7 +8,7 @@
 namespace noctule::report {
 namespace {
 
-constexpr double kWidth = 560.0, kMaxHeight = 560.0;
+constexpr double kPlanWidth = 560.0, kMaxPlanHeight = 560.0;
 
 void include_trajectory(const std::vector<eval::TimedPose>& trajectory, Extent& extent) {
   for (const eval::TimedPose& p : trajectory) extent.include(p.pose.position());
@@ -62,7 +62,7 @@ std::vector<eval::TimedPose> path_of(const RunData& data) {
 }
 
 MapFigure map_figure(const RunData& data, bool with_readings) {
-  MapFigure figure(extent_of(data), kWidth, kMaxHeight);
+  MapFigure figure(extent_of(data), kPlanWidth, kMaxPlanHeight);
   if (data.world.room) figure.room(*data.world.room);
   figure.known_landmarks(data.world.landmarks);
   if (with_readings) figure.readings(data.direct_points);
@@ -92,7 +92,7 @@ std::string map_svg(const RunData& data) {
 }
 
 std::string readings_plan(const RunData& data) {
-  MapFigure figure(extent_of(data), kWidth, kMaxHeight);
+  MapFigure figure(extent_of(data), kPlanWidth, kMaxPlanHeight);
   if (data.world.room) figure.room(*data.world.room);
   figure.readings(data.direct_points);
   figure.path(data.dead_reckoning, "odometry-path");
@@ -101,7 +101,7 @@ std::string readings_plan(const RunData& data) {
 }
 
 std::string contour_plan(const RunData& data, const ContourResult& contours, const std::string& title) {
-  MapFigure figure(extent_of(data), kWidth, kMaxHeight);
+  MapFigure figure(extent_of(data), kPlanWidth, kMaxPlanHeight);
   if (data.world.room) figure.room(*data.world.room);
   figure.uncertainty(contours.map);
   figure.contours(contours.map, contours.errors ? &*contours.errors : nullptr);
@@ -112,7 +112,7 @@ std::string contour_plan(const RunData& data, const ContourResult& contours, con
 std::string path_plan(const RunData& data) {
   Extent extent = extent_of(data);
   if (!data.world.room) include_trajectory(data.dead_reckoning, extent);
-  MapFigure figure(extent, kWidth, kMaxHeight);
+  MapFigure figure(extent, kPlanWidth, kMaxPlanHeight);
   if (data.world.room) figure.room(*data.world.room);
   figure.path(data.truth, "truth-path");
   figure.path(data.dead_reckoning, "odometry-path");
@@ -126,7 +126,7 @@ std::string path_plan(const RunData& data) {
 std::string occupancy_plan(const RunData& data) {
   constexpr int kMostCells = 400'000;
   if (!data.occupancy || data.occupancy->columns * data.occupancy->rows > kMostCells) return {};
-  MapFigure figure(extent_of(data), kWidth, kMaxHeight);
+  MapFigure figure(extent_of(data), kPlanWidth, kMaxPlanHeight);
   figure.occupancy(*data.occupancy);
   figure.path(path_of(data), "estimate-path");
   return figure.svg("Occupancy grid", "Plan of the occupancy probabilities: dark cells are occupied, light ones free.");
