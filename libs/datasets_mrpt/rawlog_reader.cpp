@@ -1,6 +1,5 @@
 #include "datasets_mrpt/rawlog_reader.hpp"
 
-#include <mrpt/io/CMemoryStream.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -12,7 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "datasets/echo.hpp"
@@ -24,21 +25,47 @@ namespace {
 
 using mrpt::serialization::CSerializable;
 
+/// Bytes in memory as MRPT's archives read them. A read beyond the end throws: MRPT itself would go on with what the
+/// memory held, for instance as the number of elements of a list.
+class Bytes {
+ public:
+  explicit Bytes(const std::string& bytes) : bytes_(bytes) {}
+
+  std::size_t Read(void* to, std::size_t count) {
+    if (count > bytes_.size() - position_) {
+      ran_out_ = true;
+      throw std::runtime_error("the bytes end");
+    }
+    std::memcpy(to, bytes_.data() + position_, count);
+    position_ += count;
+    return count;
+  }
+  std::size_t Write(const void*, std::size_t) { throw std::logic_error("only to be read"); }
+  [[nodiscard]] std::string getStreamDescription() const { return "rawlog"; }
+
+  [[nodiscard]] bool at_end() const { return position_ == bytes_.size(); }
+  [[nodiscard]] bool ran_out() const { return ran_out_; }
+
+ private:
+  const std::string& bytes_;
+  std::size_t position_ = 0;
+  bool ran_out_ = false;
+};
+
 class Reader {
  public:
   Reader(const RawlogParameters& parameters, Recording& recording) : p_(parameters), recording_(recording) {}
 
   void read(const std::string& bytes) {
-    mrpt::io::CMemoryStream stream;
-    stream.assignMemoryNotOwn(bytes.data(), bytes.size());
+    Bytes stream(bytes);
     auto archive = mrpt::serialization::archiveFrom(stream);
-    while (stream.getPosition() < bytes.size()) {
+    while (!stream.at_end()) {
       CSerializable::Ptr object;
       try {
         object = archive.ReadObject();
       } catch (const std::exception&) {
-        const bool ran_out = stream.getPosition() >= bytes.size();
-        if (!ran_out || objects_ == 0) throw refuse("an object of a rawlog", "damaged bytes or an unknown class");
+        if (!stream.ran_out() || objects_ == 0)
+          throw refuse("an object of a rawlog", "damaged bytes or an unknown class");
         note("cut off inside object " + std::to_string(objects_) + "; read up to there");
         break;
       }
