@@ -292,7 +292,8 @@ std::string to_html(const ResultTable& table) {
 }
 
 std::string in_words(const std::string& metric) {
-  static constexpr std::array kInitials{"rmse", "mae", "nees", "nis", "ospa", "gospa", "ess", "ate", "rpe", "cpu"};
+  static constexpr std::array kInitials{"rmse",  "mae", "nees", "nis", "ospa", "ospa2",
+                                        "gospa", "ess", "ate",  "rpe", "cpu"};
   std::string text;
   for (std::string word : split(metric, '_')) {
     if (std::ranges::find(kInitials, word) != kInitials.end()) {
