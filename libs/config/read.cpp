@@ -12,8 +12,6 @@
 namespace noctule::config {
 namespace {
 
-constexpr double kDegree = unit::degree.to_si;
-
 class Reader {
  public:
   void read_group(const Group& group, const Tree& tree, const std::string& path) {
@@ -109,7 +107,7 @@ class Reader {
     if (!is_list_of(tree, 3))
       return problem(tree.place, path, std::string("expected a pose [x, y, yaw] in ") + field_->unit.symbol, tree);
     const Unit length{field_->unit.to_si == unit::centimetre.to_si ? "cm" : "m", field_->unit.to_si};
-    const Unit angle{"deg", kDegree};
+    const Unit angle{"deg", unit::degree.to_si};
     read_number(target->x, length, tree.items[0], path + "[0]");
     read_number(target->y, length, tree.items[1], path + "[1]");
     read_number(target->yaw, angle, tree.items[2], path + "[2]");

@@ -10,8 +10,6 @@
 namespace noctule::config {
 namespace {
 
-constexpr double kDegree = unit::degree.to_si;
-
 /// \param plain_allowed without quotes where nothing is lost by it
 std::string quoted(const std::string& text, bool plain_allowed = true) {
   static constexpr std::array kReserved{"null", "Null", "NULL"};
@@ -84,7 +82,7 @@ struct Leaf {
   std::string operator()(const Vector2* v) const { return flow(*v, unit); }
   std::string operator()(const Pose2* v) const {
     return "[" + print_number(v->x, unit.to_si) + ", " + print_number(v->y, unit.to_si) + ", " +
-           print_number(v->yaw, kDegree) + "]";
+           print_number(v->yaw, unit::degree.to_si) + "]";
   }
   std::string operator()(const std::vector<double>* v) const {
     return join(*v, [&](double x) { return print_number(x, unit.to_si); });

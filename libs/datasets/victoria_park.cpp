@@ -60,7 +60,7 @@ class Columns {
 };
 
 /// The first that exists. \throws InputError naming all
-fs::path require(const fs::path& folder, const std::vector<fs::path>& names) {
+fs::path first_of(const fs::path& folder, const std::vector<fs::path>& names) {
   std::string all;
   for (const fs::path& name : names) {
     const fs::path path = folder / name;
@@ -75,11 +75,11 @@ fs::path require(const fs::path& folder, const std::vector<fs::path>& names) {
 }
 
 fs::path require_text(const fs::path& folder, const std::string& name) {
-  return require(folder, {name, name + ".gz"});
+  return first_of(folder, {name, name + ".gz"});
 }
 
 std::vector<Command> read_commands(const VictoriaParkParameters& p) {
-  const Columns rows(require(p.path, {"aa3_dr.mat"}), "time", "speed", "steering");
+  const Columns rows(first_of(p.path, {"aa3_dr.mat"}), "time", "speed", "steering");
   std::vector<Command> commands;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto motion = models::rear_axle_motion(rows.a(i), rows.b(i), p.wheelbase, p.encoder_left);
@@ -94,7 +94,7 @@ using Scans = std::vector<LandmarkDetections>;
 Scans read_laser(const VictoriaParkParameters& p, std::int64_t first_fix, Recording& recording) {
   TableFormat format{.columns = {"t_s"}, .unbroken = true};
   for (std::size_t i = 1; i <= kBeams; ++i) format.columns.push_back("r" + std::to_string(i) + "_m");
-  const Table table(require(p.path, {"LASER.txt", "LASER.txt.gz", "victoria_park_ascii.zip/LASER.txt"}), format);
+  const Table table(first_of(p.path, {"LASER.txt", "LASER.txt.gz", "victoria_park_ascii.zip/LASER.txt"}), format);
   table.require_ascending(0, false);
   recording.notes.insert(recording.notes.end(), table.notes().begin(), table.notes().end());
   Scans scans;
@@ -193,7 +193,7 @@ Recording read(const VictoriaParkParameters& p) {
   recording.world.name = "Victoria Park";
   recording.world.start_is_rough = true;
   const std::vector<Command> commands = read_commands(p);
-  const Columns fixes(require(p.path, {"aa3_gpsx.mat"}), "timeGps", "Lo_m", "La_m");
+  const Columns fixes(first_of(p.path, {"aa3_gpsx.mat"}), "timeGps", "Lo_m", "La_m");
   Scans scans = p.trees == Trees::laser ? read_laser(p, fixes.utime(0), recording) : read_extracted(p, recording);
   std::erase_if(scans, [&](const LandmarkDetections& s) {
     return s.detections.empty() || s.stamp.utime < commands.front().utime || s.stamp.utime > commands.back().utime;

@@ -10,6 +10,7 @@
 #include "core/limits.hpp"
 #include "core/rng.hpp"
 #include "experiment/csv.hpp"
+#include "report/text.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -115,6 +116,11 @@ void correct(std::span<Comparison> comparisons) {
   for (const Comparison& c : comparisons) p.push_back(c.p_value);
   const std::vector<double> corrected = holm(p);
   for (std::size_t i = 0; i < corrected.size(); ++i) comparisons[i].p_holm = corrected[i];
+}
+
+std::string p_value_text(double p, const std::string& none) {
+  if (std::isnan(p)) return none;
+  return p < 0.001 ? "< 0.001" : report::fixed(p, 3);
 }
 
 std::vector<double> holm(std::span<const double> p_values) {

@@ -39,6 +39,9 @@ struct Comparison {
 /// Sets p_holm, the whole list being what is shown at once; comparisons without a p-value do not count.
 void correct(std::span<Comparison>);
 
+/// "< 0.001", else three decimals; `none` where there is none.
+[[nodiscard]] std::string p_value_text(double p, const std::string& none);
+
 /// P-values corrected for their number by Holm's step-down method (1979), which bounds the chance of any false claim
 /// whatever the dependence. NaN stays NaN and does not count.
 [[nodiscard]] std::vector<double> holm(std::span<const double> p_values);

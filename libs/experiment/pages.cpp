@@ -170,11 +170,6 @@ std::string with_interval(const CellSpec& c, double mean, const Interval& interv
   return number(c, mean) + " [" + number(c, interval.low) + ", " + number(c, interval.high) + "]";
 }
 
-std::string p_text(double p) {
-  if (std::isnan(p)) return "-";
-  return p < 0.001 ? "< 0.001" : report::fixed(p, 3);
-}
-
 /// Of the source with that name, else of the first whose name begins with it: `table` is any table.
 std::string published(const CellSpec& c, Sources& sources) {
   const Reference* found = nullptr;
@@ -193,8 +188,8 @@ std::string compared(const CellSpec& c, Sources& sources) {
         fits(row.subject, c.scenario, c.filter, c.parameters) && fits(row.against, c.scenario, c.against, parameters);
     if (!both || row.metric != c.metric) continue;
     if (c.show == Show::percent) return report::fixed(row.percent, c.decimals < 0 ? 1 : c.decimals);
-    if (c.show == Show::p) return p_text(row.p_value);
-    if (c.show == Show::p_holm) return p_text(row.p_holm);
+    if (c.show == Show::p) return p_value_text(row.p_value, "-");
+    if (c.show == Show::p_holm) return p_value_text(row.p_holm, "-");
     return with_interval(c, row.difference, row.ci95);
   }
   throw InputError("no such comparison in " + c.results + ": " + what(c) + " against '" + c.against +

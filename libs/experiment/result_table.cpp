@@ -222,11 +222,6 @@ std::vector<ResultTable> tables_of_parameters(const Results& results, const std:
   return tables;
 }
 
-std::string p_text(double p) {
-  if (std::isnan(p)) return kDash;
-  return p < 0.001 ? "< 0.001" : report::fixed(p, 3);
-}
-
 /// Those of a scenario, all of one metric together.
 std::vector<Comparison> by_metric(std::span<const Comparison> comparisons, const std::string& scenario) {
   std::vector<Comparison> sorted;
@@ -271,9 +266,9 @@ ResultTable comparison_table(std::span<const Comparison> comparisons, const std:
                            {number(c.difference), "", ""},
                            {interval, "", ""},
                            {number_text(c.percent, 1), "", ""},
-                           {p_text(c.p_value), "", ""},
-                           {p_text(c.p_permutation), "", ""},
-                           {p_text(c.p_holm), "", c.p_holm < 0.05 ? "estimate" : ""},
+                           {p_value_text(c.p_value, kDash), "", ""},
+                           {p_value_text(c.p_permutation, kDash), "", ""},
+                           {p_value_text(c.p_holm, kDash), "", c.p_holm < 0.05 ? "estimate" : ""},
                            {std::to_string(c.pairs), "", ""},
                            {std::to_string(c.dropped), "", ""},
                            {std::to_string(c.diverged) + " / " + std::to_string(c.against_diverged), "", ""}}});

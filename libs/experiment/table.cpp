@@ -22,7 +22,7 @@ struct MeanAndInterval {
   Interval ci95{kNan, kNan};
 };
 
-MeanAndInterval mean_of(std::span<const double> finite_values) {
+MeanAndInterval mean_and_interval(std::span<const double> finite_values) {
   if (finite_values.empty()) return {};
   return {eval::mean(finite_values), eval::t_interval(finite_values)};
 }
@@ -96,7 +96,7 @@ std::vector<SummaryRow> summarise(std::span<const Row> rows) {
     SummaryRow& s = group.summary;
     s.n = static_cast<int>(group.values.size());
     s.sd = s.n > 1 ? eval::standard_deviation(group.values) : kNan;
-    const MeanAndInterval m = mean_of(group.values);
+    const MeanAndInterval m = mean_and_interval(group.values);
     s.mean = m.mean;
     s.ci95 = m.ci95;
     result.push_back(std::move(s));
@@ -153,7 +153,7 @@ std::vector<SeriesRow> summarise(std::span<const SeriesOfRun> curves) {
   for (const Group& group : groups.all()) {
     const auto& [subject, series] = *group.first;
     for (std::size_t i = 0; i < group.values.size(); ++i) {
-      const MeanAndInterval m = mean_of(group.values[i]);
+      const MeanAndInterval m = mean_and_interval(group.values[i]);
       rows.push_back({subject, series.metric, series.unit, series.time[i], m.mean, m.ci95});
     }
   }

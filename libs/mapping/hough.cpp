@@ -10,13 +10,13 @@
 namespace noctule::mapping {
 namespace {
 
-constexpr int kMaxRefusals = 20;      // peaks tried in vain before giving up
-constexpr int kRefinements = 3;       // of the inliers and the fit to them
-constexpr double kPeakWindow = 0.08;  // residuals allowed at a peak [m]
-constexpr double kGate = 3.0;         // and later, for points, in standard deviations
-constexpr double kPrecision = 1e-8;   // of fits [m, rad]
-constexpr double kPeakShare = 0.3;    // of the votes of min_readings data that a peak must hold
-constexpr double kMinView = 2.0;      // [rad]
+constexpr int kMaxPeaksInVain = 20;     // peaks tried in vain before giving up
+constexpr int kFitRounds = 3;           // of the inliers and the fit to them
+constexpr double kLineWindow = 0.08;    // residuals allowed at a peak [m]
+constexpr double kPointGate = 3.0;      // and later, for points, in standard deviations
+constexpr double kPrecision = 1e-8;     // of fits [m, rad]
+constexpr double kLinePeakShare = 0.3;  // of the votes of min_readings data that a peak must hold
+constexpr double kMinView = 2.0;        // [rad]
 
 /// Which data no object has claimed yet.
 using Free = std::vector<char>;
@@ -29,7 +29,7 @@ std::vector<Estimate> extract(Votes& votes, std::span<const Datum> data, double 
   std::vector<Estimate> found;
   Free free(data.size(), 1);
   std::vector<int> inliers;
-  for (int refusals = 0; refusals < kMaxRefusals;) {
+  for (int refusals = 0; refusals < kMaxPeaksInVain;) {
     const auto peak = votes.best(threshold);
     if (!peak) break;
     const std::optional<Estimate> estimate = refine(*peak, free, inliers);
@@ -67,10 +67,10 @@ std::optional<EchoFit> refine_arcs(const Reflector& start, std::span<const Sonar
                                    const MapperParameters& parameters, std::vector<int>& inliers) {
   const EchoModel model(parameters.echo, parameters.robust);
   EchoFit fit{start, 1.0};
-  for (int i = 0; i <= kRefinements; ++i) {
-    inliers = inliers_of(fit, arcs, free, model, i == 0 ? kPeakWindow : 0.0);
+  for (int i = 0; i <= kFitRounds; ++i) {
+    inliers = inliers_of(fit, arcs, free, model, i == 0 ? kLineWindow : 0.0);
     if (static_cast<int>(inliers.size()) < parameters.support.enough(start.is_wall())) return {};
-    if (i == kRefinements) break;
+    if (i == kFitRounds) break;
     const auto next = fit_echoes(fit, arcs, inliers, parameters.robust, kPrecision);
     if (!next) return {};
     fit = *next;
@@ -85,7 +85,7 @@ std::vector<int> inliers_of(std::span<const PointWithCovariance> points, const F
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (free[i] == 0) continue;
     const auto [distance, variance] = distance_and_variance(points[i]);
-    if (std::abs(distance) < std::max(window, kGate * std::sqrt(variance))) inliers.push_back(static_cast<int>(i));
+    if (std::abs(distance) < std::max(window, kPointGate * std::sqrt(variance))) inliers.push_back(static_cast<int>(i));
   }
   return inliers;
 }
@@ -130,13 +130,13 @@ std::optional<CylinderEstimate> refine(const CircleVotes::Peak& peak, std::span<
 std::optional<WallEstimate> refine(const LineVotes::Peak& peak, std::span<const PointWithCovariance> points,
                                    const Free& free, const MapperParameters& parameters, std::vector<int>& inliers) {
   WallEstimate estimate{.wall = peak.wall};
-  for (int i = 0; i <= kRefinements; ++i) {
+  for (int i = 0; i <= kFitRounds; ++i) {
     const Vector2 n = estimate.wall.normal();
-    inliers = inliers_of(points, free, i == 0 ? kPeakWindow : 0.0, [&](const PointWithCovariance& p) {
+    inliers = inliers_of(points, free, i == 0 ? kLineWindow : 0.0, [&](const PointWithCovariance& p) {
       return std::pair{estimate.wall.rho - n.dot(p.position), n.dot(p.covariance * n)};
     });
     if (static_cast<int>(inliers.size()) < parameters.support.min_readings) return {};
-    if (i == kRefinements) break;
+    if (i == kFitRounds) break;
     const auto fit = fit_line(picked(points, inliers));
     if (!fit) return {};
     estimate.wall = fit->wall;
@@ -158,13 +158,13 @@ std::optional<CylinderEstimate> refine(const CircleVotes::Peak& peak, std::span<
                                        std::vector<int>& inliers) {
   CylinderEstimate estimate{.cylinder = peak.cylinder};
   const Cylinder& c = estimate.cylinder;
-  for (int i = 0; i <= kRefinements; ++i) {
-    inliers = inliers_of(points, free, i == 0 ? kPeakWindow : 0.0, [&](const PointWithCovariance& p) {
+  for (int i = 0; i <= kFitRounds; ++i) {
+    inliers = inliers_of(points, free, i == 0 ? kLineWindow : 0.0, [&](const PointWithCovariance& p) {
       const Vector2 d = p.position - c.centre;
       return std::pair{d.norm() - c.radius, d.dot(p.covariance * d) / std::max(d.squaredNorm(), 1e-12)};
     });
     if (static_cast<int>(inliers.size()) < parameters.support.enough(false)) return {};
-    if (i == kRefinements) break;
+    if (i == kFitRounds) break;
     const auto fit = fit_circle(picked(points, inliers));
     if (!fit) return {};
     estimate.cylinder = fit->circle;
@@ -184,7 +184,7 @@ std::optional<CylinderEstimate> refine(const CircleVotes::Peak& peak, std::span<
 template <class Estimate, class Votes, class Datum>
 std::vector<Estimate> transform(Votes votes, std::span<const Datum> data, double votes_of_one,
                                 const MapperParameters& parameters) {
-  const double threshold = kPeakShare * parameters.support.min_readings * votes_of_one;
+  const double threshold = kLinePeakShare * parameters.support.min_readings * votes_of_one;
   return extract<Estimate>(votes, data, threshold, [&](const auto& peak, const Free& free, std::vector<int>& inliers) {
     return refine(peak, data, free, parameters, inliers);
   });

@@ -8,8 +8,8 @@
 namespace noctule::mapping {
 namespace {
 
-constexpr int kIterations = 10;
-constexpr double kConverged = 1e-12;  // [rad]
+constexpr int kLineIterations = 10;
+constexpr double kLineConverged = 1e-12;  // [rad]
 
 /// Weighted sums of points: weight, centroid, scatter about it.
 struct Moments {
@@ -57,11 +57,11 @@ std::optional<LineFit> fit_line(std::span<const PointWithCovariance> points) {
   };
   Moments m = moments(points, [](const PointWithCovariance& p) { return 1.0 / p.covariance.trace(); });
   Wall wall = principal_line(m);
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kLineIterations; ++i) {
     const Vector2 n = wall.normal();
     m = moments(points, [&](const PointWithCovariance& p) { return 1.0 / variance(p, n); });
     const Wall next = aligned(principal_line(m), wall);
-    const bool done = std::abs(wrap(next.theta - wall.theta)) < kConverged;
+    const bool done = std::abs(wrap(next.theta - wall.theta)) < kLineConverged;
     wall = next;
     if (done) break;
   }

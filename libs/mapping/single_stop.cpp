@@ -9,10 +9,10 @@
 namespace noctule::mapping {
 namespace {
 
-constexpr int kRefinements = 5;
+constexpr int kStopRefinements = 5;
 constexpr double kLeastRoom = radians(3.0);  // for a wall's normal
 constexpr double kLeastSine = 0.866;         // corners of 60 to 120 degrees
-constexpr double kGate = 9.21;               // 99 % of chi-square with 2 degrees of freedom
+constexpr double kCornerGate = 9.21;         // 99 % of chi-square with 2 degrees of freedom
 
 /// A region of constant depth about (direction, range) and the echoes in it.
 struct Region {
@@ -70,7 +70,7 @@ Region densest(std::span<const SonarArc> arcs, double tolerance) {
   Region best;
   for (const SonarArc& seed : arcs) {
     Region region = region_about(arcs, axis_angle(seed), seed.range, tolerance);
-    for (int i = 0; i < kRefinements; ++i) {
+    for (int i = 0; i < kStopRefinements; ++i) {
       recentre(region);
       Region next = region_about(arcs, region.direction, region.range, tolerance);
       if (next.echoes.size() <= region.echoes.size()) break;
@@ -150,7 +150,7 @@ bool is_corner(const Region& region, const Region& a, const Region& b, double to
     covariance += by_wall * covariance_of(*source, tolerance) * by_wall.transpose();
   }
   const Vector2 error(region.range - range, wrap(region.direction - towards.theta));
-  return error.dot(covariance.inverse() * error) < kGate;
+  return error.dot(covariance.inverse() * error) < kCornerGate;
 }
 
 PointEstimate point_of(const Region& region, double tolerance) {

@@ -13,7 +13,7 @@
 
 namespace noctule::particle {
 
-double detail::checked_sum(Weights weights) {
+double detail::checked_sum(LinearWeights weights) {
   std::array<double, 4> sums{};  // four running sums hide the latency of the addition
   bool valid = true;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -24,7 +24,7 @@ double detail::checked_sum(Weights weights) {
 }
 
 /// The teeth m + offset below M cumulative / total are counted, not searched: no branch depends on the weights.
-void detail::add_systematic(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
+void detail::add_systematic(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
   const double scale = size / total;
   const double shift = 1.0 - rng.uniform();  // in (0, 1): floor(x + shift) = number of teeth below x
   double cumulative = 0.0;
@@ -85,7 +85,7 @@ class Pivot {
 
 }  // namespace
 
-void detail::add_ssp(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
+void detail::add_ssp(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
   Pivot pivot(size / total, counts);
   // SplitMix64 from a random start: a block of Philox for every few particles would cost as much as all the rest.
   std::uint64_t state = rng();
@@ -101,7 +101,7 @@ using namespace detail;
 
 /// Counts how many of `size` increasing positions in (0, total) fall on each particle; position(m) yields the m-th.
 template <class Position>
-void count_positions(Weights weights, std::uint32_t size, Counts counts, Position position) {
+void count_positions(LinearWeights weights, std::uint32_t size, Counts counts, Position position) {
   const std::size_t last = last_positive(weights);
   std::size_t i = 0;
   double cumulative = weights[0];
@@ -114,7 +114,7 @@ void count_positions(Weights weights, std::uint32_t size, Counts counts, Positio
 
 /// Order statistics of M uniforms without sorting: the smallest of k uniforms on (low, 1) lies at
 /// 1 - (1 - low) U^(1/k).
-void add_multinomial(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
+void add_multinomial(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
   double above = 1.0;
   count_positions(weights, size, counts, [&](std::uint32_t m) {
     above *= std::exp(std::log(rng.uniform()) / (size - m));
@@ -123,13 +123,13 @@ void add_multinomial(Weights weights, double total, std::uint32_t size, Rng& rng
 }
 
 /// A method that is one function.
-using Add = void (*)(Weights, double total, std::uint32_t size, Rng&, Counts);
+using Add = void (*)(LinearWeights, double total, std::uint32_t size, Rng&, Counts);
 class Direct : public Resampler {
  public:
   explicit Direct(Add add) : add_(add) {}
 
  private:
-  std::uint32_t draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
+  std::uint32_t draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
                      CopyWeights) const override {
     add_(weights, total, size, rng, counts);
     return size;
@@ -137,7 +137,7 @@ class Direct : public Resampler {
   Add add_;
 };
 
-void add_stratified(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
+void add_stratified(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
   const double stratum = total / size;
   count_positions(weights, size, counts, [&](std::uint32_t m) { return stratum * (m + rng.uniform()); });
 }
@@ -148,7 +148,7 @@ struct Fractions {
   double total = 0.0;
   std::uint32_t left = 0;  ///< offspring not yet given
 };
-Fractions give_whole_parts(Weights weights, double total, std::uint32_t size, Counts counts) {
+Fractions give_whole_parts(LinearWeights weights, double total, std::uint32_t size, Counts counts) {
   // M w = 2.9999999999999996 means 3: else a fraction of nearly 1 would be left to chance.
   constexpr double kRounding = 1e-12;
   const double scale = size / total;
@@ -164,13 +164,13 @@ Fractions give_whole_parts(Weights weights, double total, std::uint32_t size, Co
 }
 
 template <Add add_rest>
-void add_residual(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
+void add_residual(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
   const Fractions f = give_whole_parts(weights, total, size, counts);
   if (f.left > 0) add_rest(f.parts, f.total, f.left, rng, counts);
 }
 
 /// The next tooth lies `ahead` (in units of 1/M) beyond what is handed out so far.
-void add_rsr(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
+void add_rsr(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts) {
   const double scale = size / total;
   double ahead = rng.uniform();
   std::int64_t given = 0;
@@ -186,7 +186,7 @@ void add_rsr(Weights weights, double total, std::uint32_t size, Rng& rng, Counts
 }
 
 class Branching : public Resampler {
-  std::uint32_t draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
+  std::uint32_t draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
                      CopyWeights) const override {
     const double scale = size / total;
     std::uint32_t drawn = 0;
@@ -198,7 +198,7 @@ class Branching : public Resampler {
 };
 
 class RoundingCopy : public Resampler {
-  std::uint32_t draw(Weights weights, double total, std::uint32_t size, Rng&, Counts counts,
+  std::uint32_t draw(LinearWeights weights, double total, std::uint32_t size, Rng&, Counts counts,
                      CopyWeights) const override {
     const double scale = size / total;
     std::uint32_t drawn = 0;
@@ -209,7 +209,7 @@ class RoundingCopy : public Resampler {
   }
 };
 
-double sum_of_weights(Weights weights, std::uint32_t size, Counts counts) {
+double sum_of_weights(LinearWeights weights, std::uint32_t size, Counts counts) {
   if (weights.empty() || counts.size() != weights.size()) {
     throw std::invalid_argument("resampling: as many counts as weights are needed, and at least one");
   }
@@ -221,7 +221,8 @@ double sum_of_weights(Weights weights, std::uint32_t size, Counts counts) {
 }
 
 /// Brings `drawn` offspring to `size`: new ones by weight, or a choice among those that are there.
-void bring_to_size(Weights weights, double total, std::uint32_t drawn, std::uint32_t size, Rng& rng, Counts counts) {
+void bring_to_size(LinearWeights weights, double total, std::uint32_t drawn, std::uint32_t size, Rng& rng,
+                   Counts counts) {
   if (drawn < size) add_ssp(weights, total, size - drawn, rng, counts);
   if (drawn > size) {
     const std::vector<double> there(counts.begin(), counts.end());
@@ -232,7 +233,7 @@ void bring_to_size(Weights weights, double total, std::uint32_t drawn, std::uint
 
 }  // namespace
 
-std::uint32_t Resampler::untrimmed(Weights weights, std::uint32_t size, Rng& rng, Counts counts,
+std::uint32_t Resampler::untrimmed(LinearWeights weights, std::uint32_t size, Rng& rng, Counts counts,
                                    CopyWeights copy_weights) const {
   const double total = sum_of_weights(weights, size, counts);
   if (copy_weights.size() != weights.size()) {
@@ -243,13 +244,13 @@ std::uint32_t Resampler::untrimmed(Weights weights, std::uint32_t size, Rng& rng
   return draw(weights, total, size, rng, counts, copy_weights);
 }
 
-void Resampler::offspring(Weights weights, std::uint32_t size, Rng& rng, Counts counts,
+void Resampler::offspring(LinearWeights weights, std::uint32_t size, Rng& rng, Counts counts,
                           CopyWeights copy_weights) const {
   const std::uint32_t drawn = untrimmed(weights, size, rng, counts, copy_weights);
   if (drawn != size) bring_to_size(weights, checked_sum(weights), drawn, size, rng, counts);
 }
 
-void Resampler::offspring(Weights weights, std::uint32_t size, Rng& rng, Counts counts) const {
+void Resampler::offspring(LinearWeights weights, std::uint32_t size, Rng& rng, Counts counts) const {
   if (equal_weights()) {
     const double total = sum_of_weights(weights, size, counts);
     std::ranges::fill(counts, 0u);

@@ -29,7 +29,7 @@ void split_heaviest(std::uint32_t more, Counts counts, CopyWeights copy_weights)
 
 /// The c at which sum min(w / c, 1) = kept; fewer than `kept` weights lie above it.
 /// \param kept below the number of positive weights
-double threshold(Weights weights, std::uint32_t kept) {
+double threshold(LinearWeights weights, std::uint32_t kept) {
   std::vector<double> sorted(weights.begin(), weights.end());
   std::ranges::sort(sorted, std::greater<>());
   double rest = 0.0;  // summed from the small end, so that it stays positive
@@ -48,7 +48,7 @@ class Optimal : public Resampler {
   [[nodiscard]] bool equal_weights() const override { return false; }
 
  private:
-  std::uint32_t draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
+  std::uint32_t draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
                      CopyWeights copy_weights) const override {
     const auto positive = static_cast<std::uint32_t>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
     const std::uint32_t kept = std::min(positive, std::max(1u, size - size / 5));
@@ -77,7 +77,7 @@ class Reallocation : public Resampler {
   [[nodiscard]] bool equal_weights() const override { return false; }
 
  private:
-  std::uint32_t draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
+  std::uint32_t draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
                      CopyWeights copy_weights) const override {
     const double scale = size / total;
     std::uint32_t drawn = 0;
@@ -141,7 +141,7 @@ class Partial : public Resampler {
   [[nodiscard]] bool equal_weights() const override { return false; }
 
  private:
-  std::uint32_t draw(Weights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
+  std::uint32_t draw(LinearWeights weights, double total, std::uint32_t size, Rng& rng, Counts counts,
                      CopyWeights copy_weights) const override {
     const double high = 2.0 * total / size, low = 0.5 * total / size;
     std::vector<double> redrawn(weights.begin(), weights.end());
@@ -176,7 +176,8 @@ std::size_t start_of(std::uint32_t m, std::uint32_t size, std::size_t particles,
 
 class Metropolis : public Resampler {
   static constexpr int kSteps = 32;
-  std::uint32_t draw(Weights weights, double, std::uint32_t size, Rng& rng, Counts counts, CopyWeights) const override {
+  std::uint32_t draw(LinearWeights weights, double, std::uint32_t size, Rng& rng, Counts counts,
+                     CopyWeights) const override {
     std::uint32_t drawn = 0;
     for (std::uint32_t m = 0; m < size; ++m) {
       std::size_t k = start_of(m, size, weights.size(), rng);
@@ -196,7 +197,8 @@ class Rejection : public Resampler {
   /// Past so many trials an exact draw takes their place, which changes no expectation: one heavy particle among a
   /// million light ones would need a million trials.
   static constexpr int kTrials = 64;
-  std::uint32_t draw(Weights weights, double, std::uint32_t size, Rng& rng, Counts counts, CopyWeights) const override {
+  std::uint32_t draw(LinearWeights weights, double, std::uint32_t size, Rng& rng, Counts counts,
+                     CopyWeights) const override {
     const double largest = *std::ranges::max_element(weights);
     std::uint32_t drawn = 0;
     for (std::uint32_t m = 0; m < size; ++m) {

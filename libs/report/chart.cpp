@@ -41,10 +41,6 @@ struct Axes {
   Axis time, value;
 };
 
-std::string point_text(double x, double y) {
-  return fixed(x, 1) + " " + fixed(y, 1);
-}
-
 /// A polyline that keeps the extremes of every user unit across, so that long runs stay small and honest.
 std::string line_path(const Axes& axes, const std::vector<double>& time, const std::vector<double>& values) {
   std::string path;
@@ -94,11 +90,6 @@ std::string band_path(const Axes& axes, const Chart& chart) {
   }
   close();
   return path;
-}
-
-std::string text_at(const char* css_class, double x, double y, const std::string& text) {
-  return std::string("<text class=\"") + css_class + "\" x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\">" +
-         escape(text) + "</text>";
 }
 
 std::string grid(const Axes& axes) {

@@ -22,7 +22,7 @@ std::string attribute(const char* name, double value) {
   return std::string(" ") + name + "=\"" + fixed(value, 2) + "\"";
 }
 
-std::string css(const std::string& name) {
+std::string class_attribute(const std::string& name) {
   return " class=\"" + name + "\"";
 }
 
@@ -62,20 +62,20 @@ std::string MapFigure::place_text(const Vector2& point) const {
 
 void MapFigure::line(const Vector2& a, const Vector2& b, const std::string& css_class) {
   const Vector2 p = place(a), q = place(b);
-  body_ += "<line" + css(css_class) + attribute("x1", p.x()) + attribute("y1", p.y()) + attribute("x2", q.x()) +
-           attribute("y2", q.y()) + "/>";
+  body_ += "<line" + class_attribute(css_class) + attribute("x1", p.x()) + attribute("y1", p.y()) +
+           attribute("x2", q.x()) + attribute("y2", q.y()) + "/>";
 }
 
 void MapFigure::circle(const Vector2& centre, double radius, const std::string& css_class) {
   const Vector2 c = place(centre);
-  body_ += "<circle" + css(css_class) + attribute("cx", c.x()) + attribute("cy", c.y()) +
+  body_ += "<circle" + class_attribute(css_class) + attribute("cx", c.x()) + attribute("cy", c.y()) +
            attribute("r", std::max(radius * scale_, 0.0)) + "/>";
 }
 
 void MapFigure::cross(const Vector2& centre, const std::string& css_class) {
   const Vector2 c = place(centre);
   constexpr double kArm = 4.0;
-  body_ += "<path" + css(css_class) + " d=\"M" + fixed(c.x() - kArm, 2) + " " + fixed(c.y(), 2) + "h" +
+  body_ += "<path" + class_attribute(css_class) + " d=\"M" + fixed(c.x() - kArm, 2) + " " + fixed(c.y(), 2) + "h" +
            fixed(2 * kArm, 0) + "M" + fixed(c.x(), 2) + " " + fixed(c.y() - kArm, 2) + "v" + fixed(2 * kArm, 0) +
            "\"/>";
 }
@@ -87,7 +87,7 @@ void MapFigure::ellipse(const Vector2& centre, const Matrix2& covariance, const 
   const Vector2 major = eigen.vectors.col(1);
   const Vector2 c = place(centre);
   const double tilt = -degrees(std::atan2(major.y(), major.x()));  // the picture's y axis points down
-  body_ += "<ellipse" + css(css_class) + attribute("rx", axes[1]) + attribute("ry", axes[0]) +
+  body_ += "<ellipse" + class_attribute(css_class) + attribute("rx", axes[1]) + attribute("ry", axes[0]) +
            " transform=\"translate(" + fixed(c.x(), 2) + " " + fixed(c.y(), 2) + ") rotate(" + fixed(tilt, 2) + ")\"/>";
 }
 

@@ -14,16 +14,6 @@ constexpr double kPlotWidth = 560.0, kPlotLeft = 62.0, kPlotRight = 548.0, kPlot
 constexpr double kLegendRow = 20.0, kSample = 30.0, kLetter = 7.2;
 constexpr const char* kSpace = " ";
 
-std::string point_text(double x, double y) {
-  return fixed(x, 1) + kSpace + fixed(y, 1);
-}
-
-std::string text_at(const std::string& css_class, double x, double y, const std::string& text,
-                    const std::string& more = {}) {
-  return "<text class=\"" + css_class + "\" x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\"" + more + ">" +
-         escape(text) + "</text>";
-}
-
 std::string path(const std::string& css_class, const std::string& d) {
   return d.empty() ? "" : "<path class=\"" + css_class + "\" d=\"" + d + "\"/>";
 }

@@ -132,4 +132,14 @@ std::string printed_duration(double seconds) {
   return std::to_string(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
 }
 
+std::string point_text(double x, double y) {
+  return fixed(x, 1) + " " + fixed(y, 1);
+}
+
+std::string text_at(const std::string& css_class, double x, double y, const std::string& text,
+                    const std::string& more) {
+  return "<text class=\"" + css_class + "\" x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\"" + more + ">" +
+         escape(text) + "</text>";
+}
+
 }  // namespace noctule::report

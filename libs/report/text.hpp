@@ -35,6 +35,12 @@ struct PrintUnit {
 /// Value and unit, e.g. "1.62 cm"; whole numbers of unit "1" without decimals.
 [[nodiscard]] std::string quantity(double value, std::string_view unit_name);
 
+/// `x y` of a path in SVG.
+[[nodiscard]] std::string point_text(double x, double y);
+/// A text element of SVG; `text` is escaped. \param more attributes, with a space in front
+[[nodiscard]] std::string text_at(const std::string& css_class, double x, double y, const std::string& text,
+                                  const std::string& more = {});
+
 /// Seconds as "42.0 s", "3 min 20 s" or "1 h 5 min".
 [[nodiscard]] std::string printed_duration(double seconds);
 

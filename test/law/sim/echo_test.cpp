@@ -10,7 +10,7 @@
 namespace noctule::sim {
 namespace {
 
-RoomParameters l_room() {
+RoomParameters l_shape() {
   RoomParameters room;
   const double corners[6][2] = {{0, 0}, {3, 0}, {3, 1.2}, {1.2, 1.2}, {1.2, 3}, {0, 3}};
   for (const auto& [x, y] : corners) room.corners.push_back({{x, y}, ""});
@@ -147,7 +147,7 @@ TEST(EchoScene, EqualsBruteForceInTheHeptagon) {
 }
 
 TEST(EchoScene, EqualsBruteForceInARoomWithAnEdge) {
-  expect_equal_to_brute_force(l_room(), 1500, 2);
+  expect_equal_to_brute_force(l_shape(), 1500, 2);
 }
 
 TEST(EchoScene, RangeIsAlongTheNormalNotAlongTheAxis) {
@@ -203,7 +203,7 @@ TEST(EchoScene, OnlyRightAnglesReturnSound) {
 }
 
 TEST(EchoScene, WayIsTheSameInBothDirections) {
-  const EchoScene heptagon(RoomGeometry(test::heptagon_room())), edge{RoomGeometry(l_room())};
+  const EchoScene heptagon(RoomGeometry(test::heptagon_room())), edge{RoomGeometry(l_shape())};
   Rng rng(3);
   int echoes = 0;
   for (int i = 0; i < 500; ++i) {

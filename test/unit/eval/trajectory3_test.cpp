@@ -18,7 +18,7 @@ Vector3 random_vector(Rng& rng) {
 }
 
 /// An estimate that errs by about 0.1 m and 0.05 rad.
-std::vector<PosePair3> noisy_pairs(std::uint64_t seed, bool planar = false) {
+std::vector<PosePair3> noisy_pairs3(std::uint64_t seed, bool planar = false) {
   Rng rng(seed);
   std::vector<PosePair3> pairs;
   Pose3 truth{{1, 2, 0}, Eigen::Quaterniond::Identity()};
@@ -105,7 +105,7 @@ TEST(Align3, DegenerateInput) {
 
 /// Umeyama in space and the closed form in the plane find the same for data in the plane.
 TEST(Align3, OfThePlaneIsThePlanarOne) {
-  const auto pairs = noisy_pairs(3, true);
+  const auto pairs = noisy_pairs3(3, true);
   std::vector<PosePair> planar;
   for (const PosePair3& p : pairs) planar.push_back({p.utime, in_plane(p.estimate), in_plane(p.truth)});
   EXPECT_NEAR(rms(absolute_errors(aligned(pairs, align(pairs, Alignment3::rigid))).translation),
@@ -121,7 +121,7 @@ TEST(Align3, OfThePlaneIsThePlanarOne) {
 }
 
 TEST(Trajectory3, ErrorsSurviveMotions) {
-  const auto pairs = noisy_pairs(4);
+  const auto pairs = noisy_pairs3(4);
   Rng rng(5);
   const Similarity3 motion{1.0, random_rotation(rng).toRotationMatrix(), random_vector(rng)};
   const auto moved = aligned(pairs, motion);

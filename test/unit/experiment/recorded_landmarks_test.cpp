@@ -56,7 +56,7 @@ std::string recorded(const TemporaryFolder& folder, bool known_ids) {
          ", known_ids: " + (known_ids ? "true" : "false") + "}}}";
 }
 
-double figure(const FilterRun& run, const std::string& name) {
+double figure_of(const FilterRun& run, const std::string& name) {
   for (const eval::Metric& m : run.figures) {
     if (m.name == name) return m.value;
   }
@@ -72,12 +72,12 @@ TEST(RecordedLandmarks, FiltersLieBetweenDeadReckoningAndTheLimits) {
                    "{name: pf, config: {particles: 50}}, {name: dead_reckoning}, {name: known_map}, {name: smoother}"));
     const auto runs = plan.scenarios[0].scenario->run(1, plan.scenarios[0].filters);
     ASSERT_EQ(runs.size(), 4u);
-    EXPECT_LT(figure(runs[0], "position_rmse"), 0.5 * figure(runs[1], "position_rmse"));
-    EXPECT_LT(figure(runs[2], "position_rmse"), figure(runs[0], "position_rmse"));
-    EXPECT_LT(figure(runs[3], "position_rmse"), 0.05);
-    EXPECT_EQ(figure(runs[3], "landmarks_found"), 6.0);
-    EXPECT_LT(figure(runs[3], "landmark_rmse"), 0.05);
-    EXPECT_LE(figure(runs[1], "position_rmse"), figure(runs[1], "position_rmse_unaligned"));
+    EXPECT_LT(figure_of(runs[0], "position_rmse"), 0.5 * figure_of(runs[1], "position_rmse"));
+    EXPECT_LT(figure_of(runs[2], "position_rmse"), figure_of(runs[0], "position_rmse"));
+    EXPECT_LT(figure_of(runs[3], "position_rmse"), 0.05);
+    EXPECT_EQ(figure_of(runs[3], "landmarks_found"), 6.0);
+    EXPECT_LT(figure_of(runs[3], "landmark_rmse"), 0.05);
+    EXPECT_LE(figure_of(runs[1], "position_rmse"), figure_of(runs[1], "position_rmse_unaligned"));
     EXPECT_FALSE(runs[0].diverged);
     for (const FilterRun& run : runs) {
       ASSERT_EQ(run.series.size(), 1u);
@@ -94,9 +94,9 @@ TEST(RecordedLandmarks, OnlyTheSeedOfAFilterChangesItsFigures) {
   const Scenario& scenario = *plan.scenarios[0].scenario;
   const auto a = scenario.run(1, plan.scenarios[0].filters), b = scenario.run(2, plan.scenarios[0].filters),
              again = scenario.run(1, plan.scenarios[0].filters);
-  EXPECT_EQ(figure(a[0], "position_rmse"), figure(again[0], "position_rmse"));
-  EXPECT_NE(figure(a[0], "position_rmse"), figure(b[0], "position_rmse"));
-  EXPECT_EQ(figure(a[1], "position_rmse"), figure(b[1], "position_rmse"));
+  EXPECT_EQ(figure_of(a[0], "position_rmse"), figure_of(again[0], "position_rmse"));
+  EXPECT_NE(figure_of(a[0], "position_rmse"), figure_of(b[0], "position_rmse"));
+  EXPECT_EQ(figure_of(a[1], "position_rmse"), figure_of(b[1], "position_rmse"));
 }
 
 TEST(RecordedLandmarks, AnAbsentRecordingIsRefusedBeforeTheFirstRun) {
@@ -118,14 +118,14 @@ TEST(RfsScene, ScenesBelongToTheirSeedAndTheOracleIsTheLimit) {
   double gnn = 0.0, oracle = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const auto runs = scenario.run(seed, plan.scenarios[0].filters);
-    gnn += figure(runs[0], "ospa_settled");
-    oracle += figure(runs[1], "ospa_settled");
-    EXPECT_EQ(figure(runs[1], "cardinality_mae_settled"), 0.0);
-    EXPECT_NEAR(figure(runs[0], "ospa"), figure(runs[0], "ospa_localisation") + figure(runs[0], "ospa_cardinality"),
-                1e-9);
+    gnn += figure_of(runs[0], "ospa_settled");
+    oracle += figure_of(runs[1], "ospa_settled");
+    EXPECT_EQ(figure_of(runs[1], "cardinality_mae_settled"), 0.0);
+    EXPECT_NEAR(figure_of(runs[0], "ospa"),
+                figure_of(runs[0], "ospa_localisation") + figure_of(runs[0], "ospa_cardinality"), 1e-9);
     if (seed > 1) continue;
-    EXPECT_EQ(figure(runs[0], "ospa"), figure(scenario.run(1, plan.scenarios[0].filters)[0], "ospa"));
-    EXPECT_NE(figure(runs[0], "ospa"), figure(scenario.run(2, plan.scenarios[0].filters)[0], "ospa"));
+    EXPECT_EQ(figure_of(runs[0], "ospa"), figure_of(scenario.run(1, plan.scenarios[0].filters)[0], "ospa"));
+    EXPECT_NE(figure_of(runs[0], "ospa"), figure_of(scenario.run(2, plan.scenarios[0].filters)[0], "ospa"));
   }
   EXPECT_LT(oracle, gnn);
   EXPECT_LT(oracle / 10.0, 10.0 * std::sqrt(0.5 * kPi));  // better than the measurements themselves
@@ -136,8 +136,8 @@ TEST(RfsScene, WithoutNoiseMissesAndClutterEveryObjectIsWhereItIs) {
       "{name: s, kind: rfs_scene, config: {scans: 30, moving: false, detection: 1, clutter: 0, position_sd_m: 1e-6}}",
       "{name: gnn}"));
   const auto runs = plan.scenarios[0].scenario->run(1, plan.scenarios[0].filters);
-  EXPECT_LT(figure(runs[0], "ospa_settled"), 1e-5);
-  EXPECT_NEAR(figure(runs[0], "ospa_cardinality"), 100.0 * 3.0 / 30.0, 1e-9);  // not confirmed in three scans
+  EXPECT_LT(figure_of(runs[0], "ospa_settled"), 1e-5);
+  EXPECT_NEAR(figure_of(runs[0], "ospa_cardinality"), 100.0 * 3.0 / 30.0, 1e-9);  // not confirmed in three scans
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "models/motion.hpp"
 #include "models/range_bearing.hpp"
 
-namespace noctule::filters::test {
+namespace noctule::test {
 
 struct LandmarkWorld {
   std::vector<Vector2> landmarks;
@@ -98,4 +98,4 @@ void feed(Filter& filter, const LandmarkScanStep& step) {
   filter.update(step.detections);
 }
 
-}  // namespace noctule::filters::test
+}  // namespace noctule::test

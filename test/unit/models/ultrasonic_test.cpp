@@ -7,24 +7,24 @@
 namespace noctule::models {
 namespace {
 
-constexpr double kStep = 1e-6;
+constexpr double kDifference = 1e-6;
 
 template <int D, class Make>
 void expect_jacobians(const Vector2& p, const Eigen::Matrix<double, D, 1>& x, const Make& make) {
   const auto e = predict_echo(p, make(x));
   for (int k = 0; k < 2; ++k) {
     Vector2 h = Vector2::Zero();
-    h[k] = kStep;
+    h[k] = kDifference;
     const auto a = predict_echo(Vector2(p + h), make(x)), b = predict_echo(Vector2(p - h), make(x));
-    EXPECT_NEAR((a.range - b.range) / (2 * kStep), e.range_by_position[k], 1e-7);
-    EXPECT_NEAR(wrap(a.direction - b.direction) / (2 * kStep), e.direction_by_position[k], 1e-6);
+    EXPECT_NEAR((a.range - b.range) / (2 * kDifference), e.range_by_position[k], 1e-7);
+    EXPECT_NEAR(wrap(a.direction - b.direction) / (2 * kDifference), e.direction_by_position[k], 1e-6);
   }
   for (int k = 0; k < D; ++k) {
     Eigen::Matrix<double, D, 1> h = Eigen::Matrix<double, D, 1>::Zero();
-    h[k] = kStep;
+    h[k] = kDifference;
     const auto a = predict_echo(p, make(x + h)), b = predict_echo(p, make(x - h));
-    EXPECT_NEAR((a.range - b.range) / (2 * kStep), e.range_by_feature[k], 1e-7);
-    EXPECT_NEAR(wrap(a.direction - b.direction) / (2 * kStep), e.direction_by_feature[k], 1e-6);
+    EXPECT_NEAR((a.range - b.range) / (2 * kDifference), e.range_by_feature[k], 1e-7);
+    EXPECT_NEAR(wrap(a.direction - b.direction) / (2 * kDifference), e.direction_by_feature[k], 1e-6);
   }
 }
 
