@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "experiment/csv.hpp"
 #include "experiment/result_table.hpp"
@@ -124,6 +125,12 @@ Interval scaled(const Interval& interval, double scale) {
 
 std::string with_unit(const std::string& title, const std::string& unit) {
   return unit.empty() ? title : title + " [" + unit + "]";
+}
+
+/// A curve's metric in words; that it is over time is said by its axis.
+std::string curve_in_words(const std::string& metric) {
+  constexpr std::string_view kSuffix = "_over_time";
+  return in_words(metric.ends_with(kSuffix) ? metric.substr(0, metric.size() - kSuffix.size()) : metric);
 }
 
 /// An axis over more than this ratio is logarithmic.
@@ -266,10 +273,10 @@ std::vector<Plot> time_plots(const Results& results, const std::string& scenario
     plot.id = scenario + "-" + group.metric + "-against-time" + (group.swept.empty() ? "" : "-" + group.swept);
     std::ranges::replace_if(
         plot.id, [](char c) { return c == '=' || c == ',' || c == ' '; }, '-');
-    plot.title = joined(in_words(group.metric) + " against time", group.swept);
+    plot.title = joined(curve_in_words(group.metric) + " against time", group.swept);
     plot.description = "Mean over the seeds at each time with its 95 % interval.";
     plot.x_title = "time [s]";
-    plot.y_title = with_unit(in_words(group.metric), unit.symbol);
+    plot.y_title = with_unit(curve_in_words(group.metric), unit.symbol);
     plot.curves = true;
     for (const SeriesRow* row : group.rows) {
       series_named(plot.series, style.base_name(row->subject), style.css_class(row->subject))

@@ -52,6 +52,12 @@ double half_width(const SummaryRow& row) {
   return 0.5 * (row.ci95.high - row.ci95.low);
 }
 
+/// Not the rounding of a filter that draws no random numbers.
+bool says_something(double half_width, double value) {
+  constexpr double kRounding = 1e-9;
+  return std::isfinite(half_width) && half_width > kRounding * std::abs(value);
+}
+
 /// With a true minus sign; very large ones as powers of ten; a dash for what is not finite.
 std::string number_text(double value, int decimals) {
   constexpr double kLarge = 1e6;
@@ -70,7 +76,7 @@ struct Print {
       if (row.metric != metric) continue;
       si = row.unit;
       if (std::isfinite(row.mean)) largest = std::max(largest, std::abs(row.mean));
-      if (half_width(row) > 0.0) narrowest = std::min(narrowest, half_width(row));
+      if (says_something(half_width(row), row.mean)) narrowest = std::min(narrowest, half_width(row));
     }
     unit = printed_unit(si, largest);
     decimals = decimals_for(narrowest * unit.scale, largest * unit.scale);
@@ -292,7 +298,8 @@ std::string to_html(const ResultTable& table) {
 }
 
 std::string in_words(const std::string& metric) {
-  static constexpr std::array kInitials{"rmse", "mae", "nees", "nis", "ospa", "gospa", "ess", "ate", "rpe", "cpu"};
+  static constexpr std::array kInitials{"rmse",  "mae", "nees", "nis", "ospa", "ospa2",
+                                        "gospa", "ess", "ate",  "rpe", "cpu"};
   std::string text;
   for (std::string word : split(metric, '_')) {
     if (std::ranges::find(kInitials, word) != kInitials.end()) {
@@ -311,7 +318,7 @@ report::PrintUnit printed_unit(const std::string& si, double largest) {
 
 int decimals_for(double half_width, double value) {
   constexpr int kMost = 5;
-  double measure = std::isfinite(half_width) && half_width > 0.0 ? half_width : 0.1 * std::abs(value);
+  double measure = says_something(half_width, value) ? half_width : 0.1 * std::abs(value);
   if (!(measure > 0.0)) return 0;
   return std::clamp(1 - static_cast<int>(std::floor(std::log10(measure))), 0, kMost);
 }

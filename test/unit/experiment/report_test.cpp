@@ -221,6 +221,7 @@ TEST(Decimals, ShowTwoDigitsOfTheUncertainty) {
   EXPECT_EQ(decimals_for(0.0087, 0.1), 4);
   EXPECT_EQ(decimals_for(37.0, 500.0), 0);
   EXPECT_EQ(decimals_for(0.0, 0.0), 0);
+  EXPECT_EQ(decimals_for(1e-17, 0.15), 3);  // equal runs, but for rounding
 }
 
 TEST(InWords, KnowsInitials) {
