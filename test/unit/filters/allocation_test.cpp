@@ -30,7 +30,7 @@ namespace {
 
 TEST(Allocation, AScanAllocatesNothingOnceWarm) {
   const auto world = test::small_web();
-  auto run = test::drive(world, 60.0, 1);
+  const auto run = test::drive(world, 300.0, 1);  // more than a lap: all landmarks are known before its end
   for (auto p : std::vector<SlamFilterParameters>{FastSlam1Parameters{}, FastSlam2Parameters{}, UFastSlamParameters{},
                                                   PsoUFastSlamParameters{}, WocpfParameters{}}) {
     std::visit(
