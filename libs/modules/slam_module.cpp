@@ -5,6 +5,7 @@
 #include "noctule/landmark_detections.hpp"
 #include "noctule/odometry.hpp"
 #include "noctule/ultrasonic_scan.hpp"
+#include "report/text.hpp"
 
 namespace noctule::modules {
 namespace {
@@ -80,9 +81,12 @@ void SlamModule::publish_estimate() {
   publish(bus::channel::kSlamEstimate, estimate);
   mean_nis_ += (estimate.nis - mean_nis_) / kNisMemory;
   if (mean_nis_ > kSurprisingNis) {
-    warn("innovations are far above the configured noise (NIS " + std::to_string(mean_nis_) +
-         "); the filter takes the noise to be " + std::to_string(estimate.noise_scale) +
-         " times as large: either it is, or the pose or the map is wrong");
+    warn("innovations are far above the configured noise (normalised squares of " + report::fixed(mean_nis_, 1) +
+         ", expected 1): " +
+         (estimate.noise_scale != 1.0
+              ? "the filter takes the noise to be " + report::fixed(estimate.noise_scale, 1) + " times as large; "
+              : std::string("this filter goes on with the configured noise; ")) +
+         "either it is larger, or the pose or the map is wrong");
   }
   if (parameters_.particles_shown > 0) {
     publish(bus::channel::kSlamParticles, filter_->particles(parameters_.particles_shown));
