@@ -141,13 +141,15 @@ std::vector<FilterRun> ContourRoom::run(std::uint64_t seed, std::span<const Filt
   const Stream stream = record(parameters_.world, parameters_.robot, parameters_.extractor, seed);
   std::vector<FilterRun> runs;
   for (const FilterSpec& spec : filters) {
+    reset_peak_memory();
     const double begin = cpu_seconds();
     const Result result = spec.name == kKnownPose       ? true_path(stream)
                           : spec.name == kDeadReckoning ? dead_reckon(stream)
                                                         : filter(stream, slam_filter_parameters(spec), seed);
     const double filter_time = cpu_seconds() - begin;
     runs.push_back({.figures = figures(result, stream, parameters_.mapper),
-                    .timings = {{"cpu_per_scan", filter_time / static_cast<double>(stream.stops.size()), "s"}},
+                    .timings = {{"cpu_per_scan", filter_time / static_cast<double>(stream.stops.size()), "s"},
+                                {"peak_memory", peak_memory(), "B"}},
                     .series = {},
                     .diverged = diverged(result, stream)});
   }

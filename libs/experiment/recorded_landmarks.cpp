@@ -255,6 +255,7 @@ void RecordedLandmarks::check(const FilterSpec& filter) const {
 
 FilterRun RecordedLandmarks::run_one(std::uint64_t seed, const FilterSpec& spec) const {
   const Stream& data = stream();
+  reset_peak_memory();
   const double sampling = parameters_.sampling, begin = cpu_seconds();
   Outcome outcome;
   if (spec.name == kDeadReckoning) {
@@ -302,7 +303,8 @@ FilterRun RecordedLandmarks::run_one(std::uint64_t seed, const FilterSpec& spec)
     run.series.push_back(error_over_time(pairs, outcome.trajectory.front().utime, data.duration, 1.0));
   }
   run.timings = {{"cpu_per_scan", cpu / static_cast<double>(data.messages), "s"},
-                 {"realtime_factor", data.duration / std::max(cpu, 1e-9), "1"}};
+                 {"realtime_factor", data.duration / std::max(cpu, 1e-9), "1"},
+                 {"peak_memory", peak_memory(), "B"}};
   return run;
 }
 

@@ -232,6 +232,7 @@ std::vector<FilterRun> RfsScene::run(std::uint64_t seed, std::span<const FilterS
   const Scene scene = draw_scene(parameters_, seed);
   std::vector<FilterRun> runs;
   for (const FilterSpec& spec : filters) {
+    reset_peak_memory();
     const double begin = cpu_seconds();
     Estimates estimates;
     if (spec.name == "oracle") {
@@ -242,7 +243,8 @@ std::vector<FilterRun> RfsScene::run(std::uint64_t seed, std::span<const FilterS
     }
     const double filter_time = cpu_seconds() - begin;
     runs.push_back(judge(estimates, scene, parameters_.period));
-    runs.back().timings = {{"cpu_per_scan", filter_time / static_cast<double>(scene.measurements.size()), "s"}};
+    runs.back().timings = {{"cpu_per_scan", filter_time / static_cast<double>(scene.measurements.size()), "s"},
+                           {"peak_memory", peak_memory(), "B"}};
   }
   return runs;
 }

@@ -68,6 +68,9 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
 
 void ParticleSlam::update(const LandmarkDetections& detections) {
   check(detections);
+  if (smoother_) {
+    throw InputError("landmark detections: expected smooth_path: none, got all, which smooths paths among echoes only");
+  }
   check_order("landmark detections", detections.stamp, last_detections_);
 
   move_particles();

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "core/chi2.hpp"
+#include "core/error.hpp"
 #include "filters/slam/arrow_system.hpp"
 #include "unit/filters/recording.hpp"
 
@@ -66,6 +67,12 @@ ParticleSlamParameters smoothing(int particles) {
   auto p = test::with_particles(particles);
   p.smooth_path = SmoothPath::all;
   return p;
+}
+
+TEST(PathSmoother, TakesNoSightings) {
+  ParticleSlam filter(smoothing(1), 1);
+  const LandmarkDetections sightings{{1, 0}, {}, {{.range = 1.0, .covariance = Matrix2::Identity(), .id = 3}}};
+  EXPECT_THROW(filter.update(sightings), InputError);
 }
 
 TEST(PathSmoother, LeavesAnExactPathAlone) {
