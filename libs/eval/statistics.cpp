@@ -60,13 +60,17 @@ double student_t_cdf(double t, double dof) {
 double student_t_quantile(double probability, double dof) {
   if (!(probability > 0.0 && probability < 1.0)) throw std::domain_error("student_t: probability must be in (0, 1)");
   if (probability < 0.5) return -student_t_quantile(1.0 - probability, dof);
+  // A table asks for the same one at every row.
+  thread_local struct { double probability = 0.0, dof = 0.0, quantile = 0.0; } latest;
+  if (latest.probability == probability && latest.dof == dof) return latest.quantile;
   double low = 0.0, high = 2.0;
   while (student_t_cdf(high, dof) < probability) high *= 2.0;
   for (int i = 0; i < 200 && high - low > 1e-14 * high; ++i) {
     const double middle = 0.5 * (low + high);
     (student_t_cdf(middle, dof) < probability ? low : high) = middle;
   }
-  return 0.5 * (low + high);
+  latest = {probability, dof, 0.5 * (low + high)};
+  return latest.quantile;
 }
 
 Interval t_interval(std::span<const double> values, double confidence) {
