@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <sstream>
 
@@ -106,9 +105,7 @@ void compare_results(const std::string& a, const std::string& b, const fs::path&
 int refresh_pages(const std::vector<fs::path>& pages, bool check) {
   int exit_code = 0;
   for (const fs::path& page : pages) {
-    std::ifstream in(page, std::ios::binary);
-    if (!in) throw InputError(page.string() + ": cannot be read");
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::string text = report::read_file(page);
     const std::string fresh = experiment::refreshed_page(text, page);
     for (const std::string& line : experiment::unsupported_figures(fresh)) {
       std::cerr << page.string() << ":" << line << " is in no table or figure of the page\n";

@@ -79,7 +79,8 @@ LandmarkMap LandmarkSlam::map() const {
   LandmarkMap result{now.stamp, {}};
   const LandmarkMaps& maps = points_.maps();
   const std::size_t best = particles_.best();
-  const std::vector<double> weights = particles_.weights().linear();
+  std::vector<double> weights;
+  if (parameters_.map == ReportedMap::mean) weights = particles_.weights().linear();
   for (std::size_t k = 0; k < maps.size(best); ++k) {
     const PointLandmark& m = maps.at(best, k);
     if (!points_.is_confirmed(m)) continue;
