@@ -13,7 +13,7 @@
 namespace noctule::filters {
 
 EkfSlam::EkfSlam(const EkfSlamParameters& parameters, const Pose2& start)
-    : parameters_(parameters), mean_(start.vector()), covariance_(Eigen::MatrixXd::Zero(3, 3)) {
+    : rule_(parameters.sightings), mean_(start.vector()), covariance_(Eigen::MatrixXd::Zero(3, 3)) {
   require_sound(parameters, "EKF-SLAM");
   if (!start.finite()) throw InputError("EKF-SLAM: start: expected a finite pose");
   estimate_.pose = start;
@@ -63,11 +63,18 @@ void EkfSlam::update(const LandmarkDetections& message) {
 EkfSlam::Match EkfSlam::match(const LandmarkDetection& z, std::size_t landmark) const {
   const Pose2 base = pose(), sensor = base * sensor_in_base_;
   const Vector2 m = position(landmark);
-  const Innovation v = innovation<double>({.range = z.range, .bearing = wrap(z.bearing)}, sensor, m.x(), m.y());
-  Match result{landmark, {v.range, v.bearing}, {}, z.covariance};
+  const Sighting sighting(z, 0);
+  const Innovation v = innovation<double>(sighting, sensor, m.x(), m.y());
+  Match result{landmark, {v.range, v.bearing}, {}, {}, sighting.numbers()};
   // The pose itself is the motion, in the frame of the map.
   result.jacobian.leftCols<3>() = by_motion(v, {1.0, 0.0}, sensor.position() - base.position());
   result.jacobian.rightCols<2>() << v.ux, v.uy, -v.inverse_range * v.uy, v.inverse_range * v.ux;
+  result.noise << sighting.rr, sighting.rb, sighting.rb, sighting.bb;
+  if (!sighting.is_whole()) {
+    const Eigen::Index unmeasured = z.kind == DetectionKind::bearing_only ? 0 : 1;
+    result.innovation[unmeasured] = 0.0;
+    result.jacobian.row(unmeasured).setZero();
+  }
   return result;
 }
 
@@ -89,6 +96,8 @@ void EkfSlam::associate(const LandmarkDetections& message) {
       unnamed.push_back(k);
     } else if (const auto found = named_.find(z.id); found != named_.end()) {
       matches_.push_back(match(z, found->second));
+    } else if (z.kind != DetectionKind::range_bearing) {
+      continue;
     } else if (std::ranges::none_of(new_, [&](std::size_t j) { return message.detections[j].id == z.id; })) {
       new_.push_back(k);
     }
@@ -98,7 +107,7 @@ void EkfSlam::associate(const LandmarkDetections& message) {
 
 /// Individual compatibility within a gate; then the most likely assignment, or each sighting to its likeliest landmark.
 void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::vector<std::size_t>& rows) {
-  const SightingParameters& p = parameters_.sightings;
+  const SightingParameters& p = rule_.parameters;
   const std::size_t taken = matches_.size(), columns = landmarks_.size();
   const auto is_taken = [&](std::size_t j) {
     return std::any_of(matches_.begin(), matches_.begin() + static_cast<std::ptrdiff_t>(taken),
@@ -112,14 +121,18 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
       if (is_taken(j)) continue;
       const Match m = match(message.detections[rows[i]], j);
       const auto llt = cholesky<2>(innovation_covariance(m));
-      const double distance2 = llt.matrixL().solve(m.innovation).squaredNorm();
+      const double distance2 =
+          llt.matrixL().solve(m.innovation).squaredNorm() * (m.numbers == 2 ? 1.0 : rule_.one_number);
       nearest[i] = std::min(nearest[i], distance2);
-      if (distance2 <= p.gate) cost(i, j) = -log_gaussian<2>(m.innovation, llt);
+      const double unmeasured = m.numbers == 2 ? 0.0 : 0.5 * std::log(kTwoPi);  // of the number that never strays
+      if (distance2 > p.gate) continue;
+      cost(i, j) =
+          rule_.log_density_of_new(message.detections[rows[i]].kind) - unmeasured - log_gaussian<2>(m.innovation, llt);
     }
   }
   std::vector<int> column_of(rows.size(), -1);
   if (columns > 0 && p.match == Matching::likelihood) {
-    column_of = assign(cost, -std::log(p.new_density));
+    column_of = assign(cost, 0.0);
   } else if (columns > 0) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       int j = 0;
@@ -129,7 +142,7 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (column_of[i] >= 0) {
       matches_.push_back(match(message.detections[rows[i]], static_cast<std::size_t>(column_of[i])));
-    } else if (nearest[i] > p.new_above) {
+    } else if (nearest[i] > p.new_above && message.detections[rows[i]].kind == DetectionKind::range_bearing) {
       new_.push_back(rows[i]);
     }
   }
@@ -140,11 +153,13 @@ void EkfSlam::take_in() {
   const Eigen::Index n = size(), m = 2 * static_cast<Eigen::Index>(matches_.size());
   Eigen::MatrixXd pht(n, m), s(m, m);
   Eigen::VectorXd innovation(m);
+  int numbers = 0;
   for (Eigen::Index k = 0; k < m / 2; ++k) {
     const Match& a = matches_[static_cast<std::size_t>(k)];
     pht.middleCols<2>(2 * k) = covariance_.topLeftCorner(n, 3) * a.jacobian.leftCols<3>().transpose() +
                                covariance_.block(0, row(a.landmark), n, 2) * a.jacobian.rightCols<2>().transpose();
     innovation.segment<2>(2 * k) = a.innovation;
+    numbers += a.numbers;
   }
   for (Eigen::Index k = 0; k < m / 2; ++k) {
     const Match& a = matches_[static_cast<std::size_t>(k)];
@@ -166,7 +181,7 @@ void EkfSlam::take_in() {
   p.selfadjointView<Eigen::Lower>().rankUpdate(w.transpose(), -1.0);
   p.triangularView<Eigen::StrictlyUpper>() = p.transpose();
   for (const Match& a : matches_) ++landmarks_[a.landmark].observations;
-  estimate_.nis = y.squaredNorm() / static_cast<double>(m);
+  estimate_.nis = y.squaredNorm() / numbers;
 }
 
 void EkfSlam::start(const LandmarkDetection& z, std::int64_t id) {

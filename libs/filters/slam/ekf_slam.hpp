@@ -21,7 +21,7 @@ class EkfSlam final : public SlamFilter {
   explicit EkfSlam(const EkfSlamParameters& parameters, const Pose2& start = {});
 
   void predict(const Odometry& odometry) override;
-  /// \throws InputError also on bearing-only and range-only sightings, which this filter does not use
+  /// Bearing-only and range-only sightings update landmarks that range and bearing have begun; they begin none.
   void update(const LandmarkDetections& message) override;
   /// \throws InputError always
   void update(const UltrasonicScan& scan, const ContourFeatures& features) override;
@@ -43,6 +43,7 @@ class EkfSlam final : public SlamFilter {
     Vector2 innovation;
     Jacobian jacobian;
     Matrix2 noise;
+    int numbers;  ///< that the sighting measures; of the other one, innovation and Jacobian are 0 (see Sighting)
   };
 
   [[nodiscard]] Eigen::Index size() const { return 3 + 2 * static_cast<Eigen::Index>(landmarks_.size()); }
@@ -61,7 +62,7 @@ class EkfSlam final : public SlamFilter {
     int observations;
   };
 
-  EkfSlamParameters parameters_;
+  MatchRule rule_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;  ///< with room for more landmarks than there are
   std::vector<Named> landmarks_;

@@ -61,7 +61,7 @@ void LandmarkSlam::update(const LandmarkDetections& detections) {
 void LandmarkSlam::observe(const Stamp& stamp) {
   points_.make_writable();
   for_particles([this](std::size_t begin, std::size_t end) { take_in(begin, end); });
-  points_.live();
+  points_.live(particles_.poses(), particles_.best(), fits_);
   motion_ = {};
   particles_.weigh(fits_);
   particles_.record(stamp, fits_);

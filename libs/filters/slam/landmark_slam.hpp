@@ -18,7 +18,6 @@ namespace noctule::filters {
 class LandmarkSlam : public SlamFilter {
  public:
   void predict(const Odometry& odometry) override;
-  /// \throws InputError also on bearing-only and range-only sightings, which these filters do not use
   void update(const LandmarkDetections& detections) override;
   /// \throws InputError always
   void update(const UltrasonicScan& scan, const ContourFeatures& features) override;

@@ -71,12 +71,40 @@ enum class Matching : std::int8_t {
   nearest      ///< each sighting for itself, to the landmark that makes it most likely
 };
 
+/// How sightings of bearing or range alone begin landmarks: a track collects them until they fix a place.
+struct LandmarkTrackParameters {
+  double certain = 0.1;      ///< the sd of the place in its worst direction is below this share of its distance
+  double max_range = 50.0;   ///< farthest landmark begun [m]
+  double spacing = 0.2;      ///< way of the sensor between two sightings that are kept [m]
+  int sightings = 16;        ///< most sightings kept; then the way between them is doubled
+  int forget_after = 40;     ///< messages without a sighting after which a track without identity ends
+  double agreement = 0.999;  ///< a track whose sightings disagree beyond this chi-square quantile is given up
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = LandmarkTrackParameters;
+    v.field("certain", &P::certain, unit::one,
+            "a landmark is begun when the sd of its place is below this share of its distance",
+            Range{.min = 0.0, .max = 0.5, .min_allowed = false});
+    v.field("max_range_m", &P::max_range, unit::metre, "farthest landmark begun", positive());
+    v.field("spacing_m", &P::spacing, unit::metre, "way of the sensor between two sightings that are kept", positive());
+    v.field("sightings", &P::sightings, unit::one, "most sightings kept; then the way between them is doubled",
+            Range{.min = 4, .max = 64});
+    v.field("forget_after", &P::forget_after, unit::one,
+            "messages without a sighting after which a track of unknown identity ends", at_least(1));
+    v.field("agreement", &P::agreement, unit::one,
+            "a track is given up whose sightings disagree beyond this quantile of chi-square",
+            Range{.min = 0.5, .max = 1.0, .max_allowed = false});
+  }
+};
+
 /// Sightings of point landmarks whose identity the sensor does not know.
 struct SightingParameters {
   Matching match = Matching::likelihood;
   double gate = 9.21;         ///< largest squared Mahalanobis distance of a match (99 % for 2 numbers)
   double new_above = 25.0;    ///< a sighting farther than this from all landmarks starts one; between: dropped
   double new_density = 0.01;  ///< density of sightings of unmapped landmarks, per metre of range and radian
+  LandmarkTrackParameters tracks;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -89,6 +117,7 @@ struct SightingParameters {
             positive());
     v.field("new_density", &P::new_density, unit::one, "density of sightings of unmapped landmarks, per m and rad",
             positive());
+    v.group("tracks", &P::tracks, "landmarks begun by sightings of bearing or range alone");
   }
 
   [[nodiscard]] std::string validate() const {

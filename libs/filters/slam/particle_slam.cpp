@@ -53,16 +53,14 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   next_id_ -= static_cast<std::int64_t>(features.features.size());
   const std::size_t kept = noise_.adapts() ? echoes : 0;
   residuals_.resize(kept * particles_.size());
-  observe(
-      scan.stamp,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<char> scratch;
-        for (std::size_t i = begin; i < end; ++i) {
-          fits_[i] = observation.apply(particles_.poses()[i], contours_[i], scratch,
-                                       std::span(residuals_).subspan(i * kept, kept));
-        }
-      },
-      kept);
+  particle::for_blocks(particles_.size(), parameters_.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<char> scratch;
+    for (std::size_t i = begin; i < end; ++i) {
+      fits_[i] = observation.apply(particles_.poses()[i], contours_[i], scratch,
+                                   std::span(residuals_).subspan(i * kept, kept));
+    }
+  });
+  observe(scan.stamp, kept);
   if (smoother_) smoother_->add(scan, noise_.mixture());
 }
 
@@ -77,11 +75,13 @@ void ParticleSlam::update(const LandmarkDetections& detections) {
   points_.begin(detections, next_id_);
   points_.associate(particles_.poses(), {});
   points_.make_writable();
-  observe(detections.stamp, [this](std::size_t begin, std::size_t end) {
+  particle::for_blocks(particles_.size(), parameters_.threads, [this](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       fits_[i] = update_map(points_.view(i), particles_.poses()[i], KalmanUpdate{});
     }
   });
+  points_.live(particles_.poses(), particles_.best(), fits_);
+  observe(detections.stamp);
 }
 
 void ParticleSlam::move_particles() {
@@ -101,9 +101,7 @@ void ParticleSlam::move_particles() {
   proposal_.reset();
 }
 
-void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body,
-                           std::size_t echoes) {
-  particle::for_blocks(particles_.size(), parameters_.threads, body);
+void ParticleSlam::observe(const Stamp& stamp, std::size_t echoes) {
   particles_.weigh(fits_);
   if (echoes > 0) learn_noise(echoes);
   particles_.record(stamp, fits_);

@@ -8,18 +8,12 @@
 
 #include "core/estimate.hpp"
 #include "core/stamp.hpp"
+#include "filters/slam/observation_fit.hpp"
 #include "filters/slam/parameters.hpp"
 #include "particle/genealogy.hpp"
 #include "particle/weights.hpp"
 
 namespace noctule::filters {
-
-/// What an observation says about a particle.
-struct ObservationFit {
-  double log_likelihood = 0.0;
-  double nis = 0.0;            ///< sum of the squared normalised innovations ...
-  int degrees_of_freedom = 0;  ///< ... and how many numbers they came from
-};
 
 struct ResamplingRule {
   particle::Resampling method = particle::Resampling::systematic;
