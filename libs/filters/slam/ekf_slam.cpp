@@ -209,6 +209,19 @@ void EkfSlam::start(const LandmarkDetection& z, std::int64_t id) {
   landmarks_.push_back({id, 1});
 }
 
+void EkfSlam::transfer(StateArchive& archive) {
+  archive(mean_, covariance_, next_id_, collapses_, last_detections_);
+  archive.each(landmarks_, Named{}, [&](Named& n) { archive(n.id, n.observations); });
+  archive.each(path_, PathPose{}, [&](PathPose& p) { archive(p.scan_seq, p.utime, p.pose); });
+  archive(estimate_.stamp, estimate_.pose, estimate_.covariance, estimate_.nis);
+  if (!archive.reads()) return;
+  if (mean_.size() != size() || covariance_.rows() < size()) throw InputError("state: expected that of EKF-SLAM");
+  named_.clear();
+  for (std::size_t k = 0; k < landmarks_.size(); ++k) {
+    if (landmarks_[k].id >= 0) named_.emplace(landmarks_[k].id, k);
+  }
+}
+
 LandmarkMap EkfSlam::map() const {
   LandmarkMap result{estimate_.stamp, {}};
   for (std::size_t k = 0; k < landmarks_.size(); ++k) {

@@ -32,6 +32,7 @@ class EkfSlam final : public SlamFilter {
   /// Empty.
   [[nodiscard]] ParticleCloud particles(int) const override { return {estimate_.stamp, {}}; }
   [[nodiscard]] std::int64_t collapses() const override { return collapses_; }
+  void transfer(StateArchive& archive) override;
 
   /// Covariance of pose and landmarks, (x, y, yaw, x_1, y_1, x_2, ...).
   [[nodiscard]] Eigen::MatrixXd covariance() const { return covariance_.topLeftCorner(size(), size()); }

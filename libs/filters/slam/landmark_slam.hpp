@@ -28,6 +28,8 @@ class LandmarkSlam : public SlamFilter {
   [[nodiscard]] ParticleCloud particles(int at_most) const override { return particles_.cloud(at_most); }
   [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
 
+  void transfer(StateArchive& archive) override;
+
   /// Memory of all landmarks [bytes].
   [[nodiscard]] std::size_t map_bytes() const { return points_.maps().bytes(); }
 

@@ -35,6 +35,9 @@ struct LandmarkTrack {
   std::vector<Pose2> sensors;  ///< row of each particle: the sensor at each sighting; NaN where the particle has used
                                ///< the sighting otherwise
 
+  void transfer(StateArchive& archive) {
+    archive(id, new_id, first_seen, last_seen, times_seen, misfits, spacing, kept, sensors, row, place, covariance);
+  }
   [[nodiscard]] std::span<const Pose2> poses_of(std::size_t particle) const {
     return {sensors.data() + particle * row, kept.size()};
   }
@@ -67,6 +70,7 @@ class LandmarkTracks {
   void remove(const LandmarkTrack& track);
 
   void resample(std::span<const std::uint32_t> ancestors);
+  void transfer(StateArchive& archive) { archive(message_, tracks_); }
 
  private:
   [[nodiscard]] LandmarkTrack* find(const Sighting& z, const Pose2& sensor, std::size_t best);

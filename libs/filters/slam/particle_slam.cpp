@@ -114,6 +114,13 @@ void ParticleSlam::observe(const Stamp& stamp, std::size_t echoes) {
   }
 }
 
+void ParticleSlam::transfer(StateArchive& archive) {
+  archive(proposal_, noise_, noise_scale_, particles_, contours_, points_, next_id_, stop_, way_from_stop_, last_scan_,
+          last_detections_);
+  if (smoother_) archive(*smoother_);
+  if (particles_.poses().size() != fits_.size()) throw InputError("state: expected that of as many particles");
+}
+
 void ParticleSlam::learn_noise(std::size_t echoes) {
   learned_.clear();
   const std::vector<double> weights = particles_.weights().linear();

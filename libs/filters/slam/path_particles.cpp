@@ -140,6 +140,14 @@ std::span<const std::uint32_t> PathParticles::resample() {
   return estimate_.resampled ? std::span<const std::uint32_t>(ancestors_) : std::span<const std::uint32_t>();
 }
 
+void PathParticles::transfer(StateArchive& archive) {
+  archive(step_, poses_, pending_, moving_, weights_, best_);
+  paths_.transfer(archive, [&](PathPose& p) { archive(p.scan_seq, p.utime, p.pose); });
+  SlamEstimate& e = estimate_;
+  archive(e.stamp, e.pose, e.covariance, e.particles, e.effective_sample_size, e.distinct_particles,
+          e.distinct_ancestors, e.resampled, e.noise_scale, e.nis);
+}
+
 ParticleCloud PathParticles::cloud(int at_most) const {
   ParticleCloud cloud{estimate_.stamp, {}};
   const std::vector<double> weights = weights_.linear();

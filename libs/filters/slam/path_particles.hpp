@@ -52,6 +52,8 @@ class PathParticles {
   [[nodiscard]] PathEstimate path() const { return {estimate_.stamp, paths_.history(best_)}; }
   [[nodiscard]] ParticleCloud cloud(int at_most) const;
 
+  void transfer(StateArchive& archive);
+
  private:
   [[nodiscard]] Pose2 present(std::size_t i) const { return moving_ ? poses_[i] * pending_.mean : poses_[i]; }
   void note_estimate(const Stamp& stamp, std::span<const ObservationFit> fits);

@@ -10,6 +10,7 @@
 #include "core/observations.hpp"
 #include "core/pair.hpp"
 #include "core/pose2.hpp"
+#include "core/state_archive.hpp"
 
 namespace noctule::filters {
 
@@ -37,6 +38,7 @@ struct PointLandmark : LandmarkState<double> {
     xy = covariance(0, 1);
     yy = covariance(1, 1);
   }
+  void transfer(StateArchive& archive) { archive(x, y, xx, xy, yy, id, existence, observations); }
   [[nodiscard]] LandmarkEstimate estimate() const {
     LandmarkEstimate e;
     e.id = id;
@@ -72,6 +74,7 @@ struct Sighting : RangeBearing<double> {
     (kind == DetectionKind::bearing_only ? rr : bb) = 1.0;
   }
   [[nodiscard]] bool is_whole() const { return kind == DetectionKind::range_bearing; }
+  void transfer(StateArchive& archive) { archive(range, bearing, rr, rb, bb, kind, id, new_id); }
   /// How many numbers it measures.
   [[nodiscard]] int numbers() const { return is_whole() ? 2 : 1; }
 };

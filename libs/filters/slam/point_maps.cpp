@@ -155,6 +155,16 @@ void PointMaps::begin_landmark(const LandmarkTrack& track, std::size_t best, std
   if (shared_identity_) slot_of_.emplace(track.id, static_cast<std::int32_t>(slot_of_.size()));
 }
 
+void PointMaps::transfer(StateArchive& archive) {
+  // Identities in the order of their slots: the table itself has none.
+  std::vector<std::int64_t> names(slot_of_.size());
+  for (const auto& [id, slot] : slot_of_) names[static_cast<std::size_t>(slot)] = id;
+  archive(shared_identity_, names, maps_, tracks_);
+  if (!archive.reads()) return;
+  slot_of_.clear();
+  for (const std::int64_t id : names) slot_of_.emplace(id, static_cast<std::int32_t>(slot_of_.size()));
+}
+
 void PointMaps::inherit(std::span<const std::uint32_t> ancestors) {
   if (shared_identity_) return;
   const std::size_t width = scan_.sightings.size();

@@ -64,6 +64,9 @@ class PointMaps {
   /// For filters that resample between association and update: offspring see what their ancestors did.
   void inherit(std::span<const std::uint32_t> ancestors);
 
+  /// All but what the present scan says.
+  void transfer(StateArchive& archive);
+
   [[nodiscard]] const LandmarkScan& scan() const { return scan_; }
   [[nodiscard]] const LandmarkMaps& maps() const { return maps_; }
   /// Whether a landmark has been seen often enough to be reported.
