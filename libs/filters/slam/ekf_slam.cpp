@@ -5,9 +5,11 @@
 
 #include "core/assignment.hpp"
 #include "core/check.hpp"
+#include "core/chi2.hpp"
 #include "core/error.hpp"
 #include "core/limits.hpp"
 #include "filters/checks.hpp"
+#include "filters/slam/joint_compatibility.hpp"
 #include "models/range_bearing.hpp"
 
 namespace noctule::filters {
@@ -86,6 +88,12 @@ Matrix2 EkfSlam::innovation_covariance(const Match& m) const {
   return m.jacobian * p * m.jacobian.transpose() + m.noise;
 }
 
+/// Squared Mahalanobis distance, as of two numbers.
+double EkfSlam::distance2(const Match& m) const {
+  const auto llt = cholesky<2>(innovation_covariance(m));
+  return llt.matrixL().solve(m.innovation).squaredNorm() * (m.numbers == 2 ? 1.0 : rule_.one_number);
+}
+
 void EkfSlam::associate(const LandmarkDetections& message) {
   matches_.clear();
   new_.clear();
@@ -95,7 +103,8 @@ void EkfSlam::associate(const LandmarkDetections& message) {
     if (z.id < 0) {
       unnamed.push_back(k);
     } else if (const auto found = named_.find(z.id); found != named_.end()) {
-      matches_.push_back(match(z, found->second));
+      const Match m = match(z, found->second);
+      if (rule_.parameters.named_gate == 0.0 || distance2(m) <= rule_.parameters.named_gate) matches_.push_back(m);
     } else if (z.kind != DetectionKind::range_bearing) {
       continue;
     } else if (std::ranges::none_of(new_, [&](std::size_t j) { return message.detections[j].id == z.id; })) {
@@ -105,7 +114,8 @@ void EkfSlam::associate(const LandmarkDetections& message) {
   if (!unnamed.empty()) associate_unnamed(message, unnamed);
 }
 
-/// Individual compatibility within a gate; then the most likely assignment, or each sighting to its likeliest landmark.
+/// Individual compatibility within a gate; then the most likely assignment, each sighting to its likeliest landmark, or
+/// the largest set that is compatible together.
 void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::vector<std::size_t>& rows) {
   const SightingParameters& p = rule_.parameters;
   const std::size_t taken = matches_.size(), columns = landmarks_.size();
@@ -116,16 +126,18 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
   Eigen::MatrixXd cost =
       Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns), kInf);
   std::vector<double> nearest(rows.size(), kInf);
+  std::vector<std::vector<Match>> compatible(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = 0; j < columns; ++j) {
       if (is_taken(j)) continue;
       const Match m = match(message.detections[rows[i]], j);
       const auto llt = cholesky<2>(innovation_covariance(m));
-      const double distance2 =
+      const double distance =
           llt.matrixL().solve(m.innovation).squaredNorm() * (m.numbers == 2 ? 1.0 : rule_.one_number);
-      nearest[i] = std::min(nearest[i], distance2);
+      nearest[i] = std::min(nearest[i], distance);
       const double unmeasured = m.numbers == 2 ? 0.0 : 0.5 * std::log(kTwoPi);  // of the number that never strays
-      if (distance2 > p.gate) continue;
+      if (distance > p.gate) continue;
+      compatible[i].push_back(m);
       cost(i, j) =
           rule_.log_density_of_new(message.detections[rows[i]].kind) - unmeasured - log_gaussian<2>(m.innovation, llt);
     }
@@ -133,6 +145,8 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
   std::vector<int> column_of(rows.size(), -1);
   if (columns > 0 && p.match == Matching::likelihood) {
     column_of = assign(cost, 0.0);
+  } else if (columns > 0 && p.match == Matching::joint) {
+    column_of = match_jointly(compatible);
   } else if (columns > 0) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       int j = 0;
@@ -148,26 +162,62 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
   }
 }
 
-void EkfSlam::take_in() {
-  if (matches_.empty()) return;
-  const Eigen::Index n = size(), m = 2 * static_cast<Eigen::Index>(matches_.size());
-  Eigen::MatrixXd pht(n, m), s(m, m);
-  Eigen::VectorXd innovation(m);
-  int numbers = 0;
+/// Together with those whose identity is known, which are beyond doubt.
+std::vector<int> EkfSlam::match_jointly(const std::vector<std::vector<Match>>& compatible) const {
+  std::vector<Match> all = matches_;
+  std::vector<Pairing> pairings;
+  for (const Match& m : all) pairings.push_back({pairings.size(), m.landmark, m.numbers});
+  for (std::size_t i = 0; i < compatible.size(); ++i) {
+    for (const Match& m : compatible[i]) {
+      all.push_back(m);
+      pairings.push_back({matches_.size() + i, m.landmark, m.numbers});
+    }
+  }
+  Eigen::MatrixXd pht, s;
+  stack(all, pht, s);
+  Eigen::VectorXd innovations(s.rows());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    innovations.segment<2>(2 * static_cast<Eigen::Index>(k)) = all[k].innovation;
+  }
+  std::vector<int> column_of(compatible.size(), -1);
+  const double probability = chi2_cdf(rule_.parameters.gate, 2);
+  for (const std::size_t k : jointly_compatible(pairings, innovations, s, probability)) {
+    if (k < matches_.size()) continue;
+    column_of[pairings[k].sighting - matches_.size()] = static_cast<int>(pairings[k].landmark);
+  }
+  return column_of;
+}
+
+/// P H' and H P H' + R of all matches, one block after the other.
+void EkfSlam::stack(std::span<const Match> matches, Eigen::MatrixXd& pht, Eigen::MatrixXd& s) const {
+  const Eigen::Index n = size(), m = 2 * static_cast<Eigen::Index>(matches.size());
+  pht.resize(n, m);
+  s.resize(m, m);
   for (Eigen::Index k = 0; k < m / 2; ++k) {
-    const Match& a = matches_[static_cast<std::size_t>(k)];
+    const Match& a = matches[static_cast<std::size_t>(k)];
     pht.middleCols<2>(2 * k) = covariance_.topLeftCorner(n, 3) * a.jacobian.leftCols<3>().transpose() +
                                covariance_.block(0, row(a.landmark), n, 2) * a.jacobian.rightCols<2>().transpose();
-    innovation.segment<2>(2 * k) = a.innovation;
-    numbers += a.numbers;
   }
   for (Eigen::Index k = 0; k < m / 2; ++k) {
-    const Match& a = matches_[static_cast<std::size_t>(k)];
+    const Match& a = matches[static_cast<std::size_t>(k)];
     s.middleRows<2>(2 * k) =
         a.jacobian.leftCols<3>() * pht.topRows<3>() + a.jacobian.rightCols<2>() * pht.middleRows<2>(row(a.landmark));
     s.block<2, 2>(2 * k, 2 * k) += a.noise;
   }
   symmetrise(s);
+}
+
+void EkfSlam::take_in() {
+  if (matches_.empty()) return;
+  const Eigen::Index n = size(), m = 2 * static_cast<Eigen::Index>(matches_.size());
+  Eigen::MatrixXd pht, s;
+  stack(matches_, pht, s);
+  Eigen::VectorXd innovation(m);
+  int numbers = 0;
+  for (Eigen::Index k = 0; k < m / 2; ++k) {
+    innovation.segment<2>(2 * k) = matches_[static_cast<std::size_t>(k)].innovation;
+    numbers += matches_[static_cast<std::size_t>(k)].numbers;
+  }
   const Eigen::LLT<Eigen::MatrixXd> llt(s);
   const Eigen::VectorXd y = llt.matrixL().solve(innovation);
   if (llt.info() != Eigen::Success || !(y.squaredNorm() < kInf)) {
@@ -207,6 +257,39 @@ void EkfSlam::start(const LandmarkDetection& z, std::int64_t id) {
   mean_.tail<2>() = placed.landmark;
   if (id >= 0) named_.emplace(id, landmarks_.size());
   landmarks_.push_back({id, 1});
+}
+
+void EkfSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  const std::vector<PointLandmark> known = point_landmarks(map);
+  if (poses.particles.empty()) throw InputError("poses to begin at: expected some, got none");
+  double total = 0.0, cosine = 0.0, sine = 0.0;
+  Pose2 mean;
+  for (const auto& [pose, weight] : poses.particles) {
+    total += weight;
+    mean.x += weight * pose.x;
+    mean.y += weight * pose.y;
+    cosine += weight * std::cos(pose.yaw);
+    sine += weight * std::sin(pose.yaw);
+  }
+  mean = {mean.x / total, mean.y / total, std::atan2(sine, cosine)};
+  Matrix3 spread = Matrix3::Zero();
+  for (const auto& [pose, weight] : poses.particles) {
+    const Vector3 d = difference(pose, mean);
+    spread += weight / total * d * d.transpose();
+  }
+  for (const PointLandmark& m : known) landmarks_.push_back({m.id, m.observations});
+  mean_.resize(size());
+  mean_.head<3>() = mean.vector();
+  covariance_ = Eigen::MatrixXd::Zero(size(), size());
+  covariance_.topLeftCorner<3, 3>() = spread;
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    mean_.segment<2>(row(k)) = known[k].position();
+    covariance_.block<2, 2>(row(k), row(k)) = known[k].covariance();
+    if (known[k].id >= 0) named_.emplace(known[k].id, k);
+    next_id_ = std::min(next_id_, known[k].id - 1);
+  }
+  estimate_.pose = pose();
+  estimate_.covariance = spread;
 }
 
 void EkfSlam::transfer(StateArchive& archive) {

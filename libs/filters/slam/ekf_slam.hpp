@@ -2,6 +2,7 @@
 /// EKF-SLAM (Smith, Self, Cheeseman 1990): one Gaussian over the pose and all landmarks. The baseline of the landmark
 /// filters, and the strongest one while landmarks are few.
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -32,6 +33,8 @@ class EkfSlam final : public SlamFilter {
   /// Empty.
   [[nodiscard]] ParticleCloud particles(int) const override { return {estimate_.stamp, {}}; }
   [[nodiscard]] std::int64_t collapses() const override { return collapses_; }
+  /// Pose and landmarks are taken as independent.
+  void begin_on(const LandmarkMap& map, const ParticleCloud& poses) override;
   void transfer(StateArchive& archive) override;
 
   /// Covariance of pose and landmarks, (x, y, yaw, x_1, y_1, x_2, ...).
@@ -54,7 +57,10 @@ class EkfSlam final : public SlamFilter {
   [[nodiscard]] Match match(const LandmarkDetection& z, std::size_t landmark) const;
   [[nodiscard]] Matrix2 innovation_covariance(const Match& m) const;
   void associate(const LandmarkDetections& message);
+  [[nodiscard]] double distance2(const Match& m) const;
   void associate_unnamed(const LandmarkDetections& message, const std::vector<std::size_t>& rows);
+  [[nodiscard]] std::vector<int> match_jointly(const std::vector<std::vector<Match>>& compatible) const;
+  void stack(std::span<const Match> matches, Eigen::MatrixXd& pht, Eigen::MatrixXd& s) const;
   void take_in();
   void start(const LandmarkDetection& z, std::int64_t id);
 

@@ -4,6 +4,7 @@
 
 #include "core/assignment.hpp"
 #include "core/chi2.hpp"
+#include "core/error.hpp"
 #include "core/limits.hpp"
 
 namespace noctule::filters {
@@ -42,6 +43,7 @@ class Matcher {
   void run() {
     std::size_t k = 0;
     for (; k < scan_.sightings.size() && scan_.sightings[k].id >= 0; ++k) find_named(k);
+    if (parameters_.named_gate > 0.0) drop_outliers(k);
     if (k == scan_.sightings.size()) return;
     gather(k);
     if (parameters_.match == Matching::nearest) {
@@ -67,6 +69,18 @@ class Matcher {
     std::int32_t slot = 0;
     while (slot < size_ && maps_.at(particle_, static_cast<std::size_t>(slot)).id != id) ++slot;
     slots_[k] = slot < size_ ? slot : scan_.sightings[k].is_whole() ? next_++ : kTracked;
+  }
+
+  /// Of the first `named` sightings.
+  void drop_outliers(std::size_t named) {
+    const Pose2 moved = pose_.base * pose_.motion.mean, sensor = sensor_pose(moved, scan_.sensor_in_base);
+    for (std::size_t k = 0; k < named; ++k) {
+      if (slots_[k] < 0 || slots_[k] >= size_) continue;
+      const Sighting& z = scan_.sightings[k];
+      const double distance2 =
+          predict(z, maps_.at(particle_, static_cast<std::size_t>(slots_[k])), sensor, moved).distance2;
+      if ((z.is_whole() ? distance2 : distance2 * rule_.one_number) > parameters_.named_gate) slots_[k] = kDropped;
+    }
   }
 
   [[nodiscard]] bool is_named(std::int64_t id, std::size_t unnamed) const {
@@ -100,21 +114,27 @@ class Matcher {
         if (off * off > parameters_.new_above * (spread2 + z.rr)) continue;
         if (!checked_name && is_named(m.id, first)) break;
         checked_name = true;
-        consider(k, slot, m, sensor, moved, certain);
+        consider(k, slot, m, sensor, moved);
       }
     }
   }
 
-  void consider(std::size_t k, std::int32_t slot, const PointLandmark& m, const Pose2& sensor, const Pose2& moved,
-                bool certain) {
-    const Sighting& z = scan_.sightings[k];
+  /// With the motion's uncertainty.
+  [[nodiscard]] InnovationCovariance predict(const Sighting& z, const PointLandmark& m, const Pose2& sensor,
+                                             const Pose2& moved) const {
     auto [v, c, s] = PredictedSighting(m, z, sensor);
-    if (!certain) {
+    if (!pose_.motion.covariance.isZero(0.0)) {
       const auto h =
           by_motion(z, v, {std::cos(pose_.base.yaw), std::sin(pose_.base.yaw)}, sensor.position() - moved.position());
       const Matrix2 p = h * pose_.motion.covariance * h.transpose();
       s = {s.rr + p(0, 0), s.rb + p(0, 1), s.bb + p(1, 1), v};
     }
+    return s;
+  }
+
+  void consider(std::size_t k, std::int32_t slot, const PointLandmark& m, const Pose2& sensor, const Pose2& moved) {
+    const Sighting& z = scan_.sightings[k];
+    const InnovationCovariance s = predict(z, m, sensor, moved);
     const double distance2 = z.is_whole() ? s.distance2 : s.distance2 * rule_.one_number;
     scratch_.nearest[k] = std::min(scratch_.nearest[k], distance2);
     if (distance2 > parameters_.gate) return;
@@ -182,6 +202,19 @@ class Matcher {
 };
 
 }  // namespace
+
+std::vector<PointLandmark> point_landmarks(const LandmarkMap& map) {
+  std::vector<PointLandmark> result;
+  for (const LandmarkEstimate& e : map.landmarks) {
+    if (e.kind != LandmarkKind::point) throw InputError("map: expected point landmarks only, got walls or cylinders");
+    if (!e.parameters.allFinite() || !e.covariance.allFinite()) throw InputError("map: expected finite landmarks");
+    PointLandmark& m = result.emplace_back();
+    m.set(e.parameters.head<2>(), e.covariance.topLeftCorner<2, 2>());
+    m.id = e.id;
+    m.observations = e.observations;
+  }
+  return result;
+}
 
 MatchRule::MatchRule(const SightingParameters& p)
     : parameters(p),

@@ -66,6 +66,9 @@ struct PredictedPose {
   return h;
 }
 
+/// A map as landmarks of a particle. \throws InputError for landmarks that are no points
+[[nodiscard]] std::vector<PointLandmark> point_landmarks(const LandmarkMap& map);
+
 /// Sightings with an identity go to the landmark of that name. The others are matched to the rest of the map within a
 /// gate; one that is far from all landmarks starts a new one, or is tracked; one in between is dropped.
 /// \param[out] slots one per sighting

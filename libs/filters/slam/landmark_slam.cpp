@@ -74,6 +74,11 @@ std::span<const std::uint32_t> LandmarkSlam::resample() {
   return ancestors;
 }
 
+void LandmarkSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  particles_.spread(poses);
+  points_.begin_on(point_landmarks(map), next_id_);
+}
+
 void LandmarkSlam::transfer(StateArchive& archive) {
   archive(particles_, points_, motion_, next_id_, last_detections_);
   if (particles_.poses().size() != fits_.size()) throw InputError("state: expected that of as many particles");

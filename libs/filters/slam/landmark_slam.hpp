@@ -28,6 +28,7 @@ class LandmarkSlam : public SlamFilter {
   [[nodiscard]] ParticleCloud particles(int at_most) const override { return particles_.cloud(at_most); }
   [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
 
+  void begin_on(const LandmarkMap& map, const ParticleCloud& poses) override;
   void transfer(StateArchive& archive) override;
 
   /// Memory of all landmarks [bytes].

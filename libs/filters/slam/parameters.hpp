@@ -68,7 +68,9 @@ struct ContourLandmarkParameters {
 
 enum class Matching : std::int8_t {
   likelihood,  ///< all sightings of a message at once, each landmark at most once: the most likely assignment
-  nearest      ///< each sighting for itself, to the landmark that makes it most likely
+  nearest,     ///< each sighting for itself, to the landmark that makes it most likely
+  joint        ///< the largest set that is compatible together (EKF-SLAM only: given its path, a particle's landmarks
+               ///< are independent, and nothing is to be gained)
 };
 
 /// How sightings of bearing or range alone begin landmarks: a track collects them until they fix a place.
@@ -104,19 +106,23 @@ struct SightingParameters {
   double gate = 9.21;         ///< largest squared Mahalanobis distance of a match (99 % for 2 numbers)
   double new_above = 25.0;    ///< a sighting farther than this from all landmarks starts one; between: dropped
   double new_density = 0.01;  ///< density of sightings of unmapped landmarks, per metre of range and radian
+  double named_gate = 0.0;    ///< the gate of sightings whose identity is known; 0: none
   LandmarkTrackParameters tracks;
 
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = SightingParameters;
     v.choice("match", &P::match,
-             Choices<Matching>{{"likelihood", Matching::likelihood}, {"nearest", Matching::nearest}},
-             "how sightings find their landmarks");
+             Choices<Matching>{
+                 {"likelihood", Matching::likelihood}, {"nearest", Matching::nearest}, {"joint", Matching::joint}},
+             "how sightings find their landmarks; joint: EKF-SLAM only");
     v.field("gate", &P::gate, unit::one, "largest squared Mahalanobis distance of a match", positive());
     v.field("new_above", &P::new_above, unit::one, "a sighting farther than this from all landmarks is a new one",
             positive());
     v.field("new_density", &P::new_density, unit::one, "density of sightings of unmapped landmarks, per m and rad",
             positive());
+    v.field("named_gate", &P::named_gate, unit::one,
+            "sightings of known identity beyond this squared Mahalanobis distance are dropped; 0: none", at_least(0.0));
     v.group("tracks", &P::tracks, "landmarks begun by sightings of bearing or range alone");
   }
 

@@ -114,6 +114,11 @@ void ParticleSlam::observe(const Stamp& stamp, std::size_t echoes) {
   }
 }
 
+void ParticleSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  particles_.spread(poses);
+  points_.begin_on(point_landmarks(map), next_id_);
+}
+
 void ParticleSlam::transfer(StateArchive& archive) {
   archive(proposal_, noise_, noise_scale_, particles_, contours_, points_, next_id_, stop_, way_from_stop_, last_scan_,
           last_detections_);

@@ -51,6 +51,9 @@ class PathParticles {
   [[nodiscard]] const SlamEstimate& estimate() const { return estimate_; }
   [[nodiscard]] PathEstimate path() const { return {estimate_.stamp, paths_.history(best_)}; }
   [[nodiscard]] ParticleCloud cloud(int at_most) const;
+  /// Before any observation: spreads the particles over these poses, as their weights say.
+  /// \throws InputError when there is none
+  void spread(const ParticleCloud& poses);
 
   void transfer(StateArchive& archive);
 

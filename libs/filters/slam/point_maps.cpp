@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.hpp"
 #include "core/gaussian.hpp"
 #include "particle/parallel.hpp"
 
@@ -15,7 +16,12 @@ PointMaps::PointMaps(std::size_t particles, const SightingParameters& sightings,
       threads_(threads),
       maps_(particles, storage),
       tracks_(particles, sightings.tracks),
-      events_(life ? particles : 0) {}
+      shared_identity_(sightings.named_gate == 0.0),
+      events_(life ? particles : 0) {
+  if (sightings.match == Matching::joint) {
+    throw InputError("sightings.match: expected likelihood or nearest, got joint, which is for EKF-SLAM");
+  }
+}
 
 void PointMaps::begin(const LandmarkDetections& detections, std::int64_t& next_id) {
   scan_.sensor_in_base = detections.sensor_in_base;
@@ -153,6 +159,22 @@ void PointMaps::begin_landmark(const LandmarkTrack& track, std::size_t best, std
     maps_.append(i, m);
   }
   if (shared_identity_) slot_of_.emplace(track.id, static_cast<std::int32_t>(slot_of_.size()));
+}
+
+void PointMaps::begin_on(std::span<const PointLandmark> map, std::int64_t& next_id) {
+  for (std::size_t i = 0; i < maps_.particles(); ++i) maps_.reserve(i, map.size());
+  maps_.copy_pages(threads_);
+  for (const PointLandmark& known : map) {
+    PointLandmark m = known;
+    if (life_) m.existence = static_cast<float>(life_->confirm_above);
+    for (std::size_t i = 0; i < maps_.particles(); ++i) maps_.append(i, m);
+    if (m.id >= 0) {
+      slot_of_.emplace(m.id, static_cast<std::int32_t>(slot_of_.size()));
+    } else {
+      shared_identity_ = false;  // slots are no longer those of names alone
+      next_id = std::min(next_id, m.id - 1);
+    }
+  }
 }
 
 void PointMaps::transfer(StateArchive& archive) {

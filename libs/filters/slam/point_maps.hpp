@@ -64,6 +64,9 @@ class PointMaps {
   /// For filters that resample between association and update: offspring see what their ancestors did.
   void inherit(std::span<const std::uint32_t> ancestors);
 
+  /// Gives every particle these landmarks, before any sighting. Names below -1 are the filter's own.
+  /// \param next_id goes below them
+  void begin_on(std::span<const PointLandmark> map, std::int64_t& next_id);
   /// All but what the present scan says.
   void transfer(StateArchive& archive);
 
@@ -88,7 +91,7 @@ class PointMaps {
   LandmarkMaps maps_;
   LandmarkTracks tracks_;
   LandmarkScan scan_;
-  bool shared_identity_ = true;
+  bool shared_identity_;
   std::vector<std::int32_t> slots_;                         ///< one row a particle, or one for all
   std::unordered_map<std::int64_t, std::int32_t> slot_of_;  ///< of each identity, where it is shared
   std::vector<Pose2> sensors_;                              ///< scratch, of tracks

@@ -38,6 +38,10 @@ class SlamFilter {
   /// How often the likelihood of all particles was 0 and the weights were made equal.
   [[nodiscard]] virtual std::int64_t collapses() const = 0;
 
+  /// Begins on a map that is known beforehand, and somewhere among these poses: before any observation.
+  /// \throws InputError when the map has landmarks that are not points, or there is no pose
+  virtual void begin_on(const LandmarkMap& map, const ParticleCloud& poses) = 0;
+
   /// The whole state, between two observations: a filter of the same parameters and seed that reads it goes on as this
   /// one would, bit by bit. \throws InputError when the bytes are no state of such a filter: then it is of no use any
   /// more
