@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/observation_order.hpp"
 #include "modules/names.hpp"
+#include "noctule/camera_image.hpp"
 #include "noctule/ground_truth.hpp"
 #include "noctule/landmark_detections.hpp"
 #include "noctule/odometry.hpp"
@@ -24,6 +25,10 @@ const char* channel_of(const GroundTruth&) {
   return bus::channel::kGroundTruth;
 }
 
+const char* channel_of(const CameraImage&) {
+  return bus::channel::kCameraImage;
+}
+
 /// Own utime of the message if the channel is one of observations.
 /// \throws InputError when the bytes are no such message
 std::optional<std::int64_t> observation_utime(const bus::LogEvent& event) {
@@ -31,6 +36,7 @@ std::optional<std::int64_t> observation_utime(const bus::LogEvent& event) {
   if (event.channel == bus::channel::kUltrasonicScan) return bus::decode<ultrasonic_scan>(event.data).utime;
   if (event.channel == bus::channel::kLandmarkDetections) return bus::decode<landmark_detections>(event.data).utime;
   if (event.channel == bus::channel::kGroundTruth) return bus::decode<ground_truth>(event.data).utime;
+  if (event.channel == bus::channel::kCameraImage) return bus::decode<camera_image>(event.data).utime;
   return std::nullopt;
 }
 

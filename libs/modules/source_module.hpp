@@ -1,5 +1,6 @@
 #pragma once
-/// Modules that put observations on the bus: ODOMETRY, ULTRASONIC_SCAN, LANDMARK_DETECTIONS, GROUND_TRUTH.
+/// Modules that put observations on the bus: ODOMETRY, ULTRASONIC_SCAN, LANDMARK_DETECTIONS, GROUND_TRUTH,
+/// CAMERA_IMAGE.
 #include <filesystem>
 #include <memory>
 #include <optional>
