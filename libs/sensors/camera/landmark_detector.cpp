@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <string>
 
 #include "core/check.hpp"
+#include "sensors/camera/opencv.hpp"
 
 namespace noctule::sensors {
 namespace {
@@ -33,6 +35,11 @@ bool usable(const LandmarkDetection& d) {
 }
 
 }  // namespace
+
+cv::Mat as_mat(const Image& image) {
+  return {image.height, image.width, image.channels == 3 ? CV_8UC3 : CV_8UC1,
+          const_cast<std::uint8_t*>(image.pixels.data())};
+}
 
 LandmarkDetector::LandmarkDetector(const models::CameraIntrinsics& camera, const models::CameraMounting& mounting)
     : camera_(camera), mounting_(mounting) {
