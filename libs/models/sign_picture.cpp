@@ -67,9 +67,13 @@ void paint(std::vector<double>& grey, int side, const Shape& s) {
   }
 }
 
-/// Distance from the edge of the picture.
-double inwards(int x, int y, int side) {
-  return (std::min({x, y, side - 1 - x, side - 1 - y}) + 0.5) / side;
+/// Share of pixel (x, y) that lies farther from the edge of the picture than `width`.
+double inwards(int x, int y, int side, double width) {
+  const auto within = [&](int i) {
+    const double low = side * width, high = side - low;
+    return std::clamp(std::min<double>(i + 1, high) - std::max<double>(i, low), 0.0, 1.0);
+  };
+  return within(x) * within(y);
 }
 
 }  // namespace
@@ -82,8 +86,8 @@ Image sign_picture(std::uint64_t number, int side) {
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
       const std::size_t i = static_cast<std::size_t>(y * side + x);
-      const double edge = inwards(x, y, side);
-      const double value = edge < kMargin ? 255.0 : edge < kMargin + kFrame ? 10.0 : grey[i];
+      const double framed = 10.0 + inwards(x, y, side, kMargin + kFrame) * (grey[i] - 10.0);
+      const double value = 255.0 + inwards(x, y, side, kMargin) * (framed - 255.0);
       image.pixels[i] = static_cast<std::uint8_t>(std::lround(value));
     }
   }
