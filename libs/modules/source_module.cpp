@@ -70,7 +70,8 @@ void ObservationModule::publish_next() {
   next_.reset();
 }
 
-LogModule::LogModule(bus::Bus& bus, const std::filesystem::path& log) : SourceModule(bus), reader_(log) {}
+LogModule::LogModule(bus::Bus& bus, const std::filesystem::path& log, bool sightings)
+    : SourceModule(bus), reader_(log), sightings_(sightings) {}
 
 std::optional<std::int64_t> LogModule::next_utime() {
   if (!next_) read_next();
@@ -86,6 +87,7 @@ void LogModule::publish_next() {
 void LogModule::read_next() {
   while ((next_ = reader_.next())) {
     ++events_;
+    if (!sightings_ && next_->channel == bus::channel::kLandmarkDetections) continue;
     try {
       const auto utime = observation_utime(*next_);
       if (!utime) continue;
