@@ -1,9 +1,9 @@
 /// Landmark detectors of the camera against truth in drawn pictures, over distance, angle, blur and noise.
 /// Usage: camera_detection [trials = 100] [seed = 1]. Prints CSV.
-#include <ctime>
 #include <cstdio>
 #include <cstdlib>
-#include <opencv2/core/utility.hpp>
+#include <ctime>
+#include <opencv2/aruco.hpp>
 #include <string>
 
 #include "core/gaussian.hpp"
@@ -32,7 +32,7 @@ struct Row {
   double milliseconds = 0.0;
 };
 
-Row run(LandmarkDetector& detector, const View& view, int trials, std::uint64_t seed, bool fiducial,
+Row run(LandmarkDetector& detector, const View& view, int trials, std::uint64_t seed,
         const std::vector<PlanarPicture>& pictures) {
   Row row;
   for (int trial = 0; trial < trials; ++trial) {
@@ -47,7 +47,6 @@ Row run(LandmarkDetector& detector, const View& view, int trials, std::uint64_t 
     const LandmarkDetections seen = detector.detect(image);
     row.milliseconds += 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     ++row.trials;
-    (void)fiducial;
     for (const LandmarkDetection& d : seen.detections) {
       const Vector2 error(d.range - view.range, wrap(d.bearing - bearing));
       if (d.id != static_cast<std::int64_t>(which) || std::abs(error[0]) > 0.3 * view.range) {
@@ -62,6 +61,23 @@ Row run(LandmarkDetector& detector, const View& view, int trials, std::uint64_t 
     }
   }
   return row;
+}
+
+/// The first markers of the family with one cell of white around, printed large.
+std::vector<PlanarPicture> markers(const FiducialParameters& parameters) {
+  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
+  std::vector<PlanarPicture> pictures;
+  for (int id = 0; id < kSigns; ++id) {
+    constexpr int kTexels = 48;
+    const int cells = dictionary->markerSize + 2;
+    cv::Mat marker;
+    dictionary->drawMarker(id, cells * kTexels, marker);
+    cv::copyMakeBorder(marker, marker, kTexels, kTexels, kTexels, kTexels, cv::BORDER_CONSTANT, cv::Scalar(255));
+    const double side = parameters.side * (cells + 2.0) / cells;
+    pictures.push_back(
+        {{marker.cols, marker.rows, 1, {marker.begin<std::uint8_t>(), marker.end<std::uint8_t>()}}, side, side});
+  }
+  return pictures;
 }
 
 void print(const char* what, const View& v, const Row& r) {
@@ -84,7 +100,7 @@ int main(int argc, char** argv) {
   const models::CameraMounting mounting{.position = {0.1, 0.0}, .height = 0.4, .pitch = radians(2.0)};
 
   SignDetectorParameters signs;
-  std::vector<PlanarPicture> pictures, markers;
+  std::vector<PlanarPicture> pictures;
   for (int k = 0; k < kSigns; ++k) {
     SignParameters sign;
     sign.id = k;
@@ -102,5 +118,10 @@ int main(int argc, char** argv) {
   for (const double angle : {20.0, 40.0, 50.0, 60.0, 70.0}) views.push_back({2.0, radians(angle), {}});
   for (const double blur : {0.0, 1.5, 2.5}) views.push_back({2.0, 0.0, {.blur = blur}});
   for (const double noise : {0.0, 5.0, 10.0, 20.0}) views.push_back({2.0, 0.0, {.noise = noise}});
-  for (const View& view : views) print("sign", view, run(*sign_detector, view, trials, seed, false, pictures));
+  FiducialParameters fiducials;
+  const auto fiducial_pictures = markers(fiducials);
+  auto fiducial_detector = make_landmark_detector(fiducials, camera, mounting);
+  for (const View& view : views)
+    print("fiducial", view, run(*fiducial_detector, view, trials, seed, fiducial_pictures));
+  for (const View& view : views) print("sign", view, run(*sign_detector, view, trials, seed, pictures));
 }

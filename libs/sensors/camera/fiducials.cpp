@@ -35,7 +35,28 @@ int opencv_name(MarkerFamily family) {
   throw std::invalid_argument("fiducials: a family without a dictionary");
 }
 
-constexpr int kTexels = 8;  // of a picture per cell of a marker
+constexpr int kTexels = 8;          // of a picture per cell of a marker
+constexpr int kWindow = 11;         // of the adaptive threshold [pixels]
+constexpr double kThreshold = 7.0;  // below the mean of the window, at least [grey levels]
+
+/// Sd of the noise, by the median of a difference that slopes and edges hardly move (Immerkaer: "Fast noise variance
+/// estimation", 1996). Less than three of it above the threshold, every speck of noise would be a contour to follow.
+double pixel_noise(const Image& grey) {
+  constexpr int kStride = 5;
+  constexpr double kMaskNorm = 6.0, kMedianPerSd = 0.6745;
+  std::vector<int> magnitudes;
+  for (int y = 1; y + 1 < grey.height; y += kStride) {
+    const std::uint8_t* row = grey.pixels.data() + static_cast<std::ptrdiff_t>(y) * grey.width;
+    const auto second = [&](const std::uint8_t* p) { return p[-1] - 2 * p[0] + p[1]; };
+    for (int x = 1; x + 1 < grey.width; x += kStride) {
+      const std::uint8_t* p = row + x;
+      magnitudes.push_back(std::abs(second(p - grey.width) - 2 * second(p) + second(p + grey.width)));
+    }
+  }
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
+  return *middle / (kMaskNorm * kMedianPerSd);
+}
 
 class FiducialDetector final : public LandmarkDetector {
  public:
@@ -47,14 +68,15 @@ class FiducialDetector final : public LandmarkDetector {
         search_(cv::aruco::DetectorParameters::create()) {
     const double longest = std::max(camera.width, camera.height);
     search_->minMarkerPerimeterRate = 4.0 * parameters.min_side_px / longest;
-    search_->adaptiveThreshWinSizeMin = 7;
-    search_->adaptiveThreshWinSizeMax = 23;
-    search_->adaptiveThreshWinSizeStep = 16;
+    search_->adaptiveThreshWinSizeMin = search_->adaptiveThreshWinSizeMax = kWindow;
+    // The white around a marker has a contour too, one cell outside; it must not replace the marker's.
+    search_->minMarkerDistanceRate = 0.01;
   }
 
  protected:
   void find(const CameraImage&, const Image& grey, std::span<const LandmarkPrediction>,
             std::vector<CameraFinding>& found) override {
+    search_->adaptiveThreshConstant = std::max(kThreshold, 3.0 * pixel_noise(grey));
     std::vector<std::vector<cv::Point2f>> quads;
     std::vector<int> ids;
     cv::aruco::detectMarkers(as_mat(grey), dictionary_, quads, ids, search_);

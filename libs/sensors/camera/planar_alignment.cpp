@@ -1,6 +1,7 @@
 #include "sensors/camera/planar_alignment.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -16,14 +17,16 @@ constexpr double kLargest = 72.0;      // side of the picture, in blocks of pixe
 constexpr double kOversampling = 2.0;  // texels of the drawn picture per block
 constexpr int kFewest = 60;            // blocks
 constexpr int kMost = 2200;            // blocks; of more only every second, third ... is used
-constexpr int kUnknowns = 8;           // three of place, three of rotation, brightness, contrast
-constexpr std::array<double, 6> kBlurs{0.3, 0.6, 0.9, 1.3, 1.8, 2.6};  // sd in blocks that are tried
+constexpr int kSteps = 12;             // of a descent, at most
+constexpr double kAmbiguous = 60.0;    // side of a picture below which its mirrored tilt is tried too [pixels]
+constexpr int kUnknowns = 9;           // three of place, three of rotation, brightness, contrast, blur
+constexpr std::array<double, 5> kBlurs{0.4, 0.7, 1.1, 1.7, 2.6};  // sd in blocks that are tried
 
 constexpr double kCornerFloor = 0.05;  // pixels
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector8 = Eigen::Matrix<double, kUnknowns, 1>;
-using Matrix8 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 /// One block of pixels: what it shows, and its ray.
 struct Block {
@@ -46,14 +49,15 @@ struct Patch {
 /// The picture as the camera would draw it at this size, with its slopes per metre.
 struct Drawing {
   cv::Mat value, by_x, by_y;  // float
+  cv::Mat bend;               // Laplacian per block: what a little more blur adds
   double width = 0.0, height = 0.0;
   double margin_x = 0.0, margin_y = 0.0;  // [m] what of the border is mixed with the surroundings
 
   [[nodiscard]] bool inside(const Vector2& p) const {
     return std::abs(p.x()) < 0.5 * width - margin_x && std::abs(p.y()) < 0.5 * height - margin_y;
   }
-  /// Value and slopes at a point of the plane, by the four texels around it.
-  [[nodiscard]] Vector3 at(const Vector2& p) const {
+  /// Value, slopes and bend at a point of the plane, by the four texels around it.
+  [[nodiscard]] Eigen::Vector4d at(const Vector2& p) const {
     const double u = std::clamp((p.x() / width + 0.5) * value.cols - 0.5, 0.0, value.cols - 1.001);
     const double v = std::clamp((p.y() / height + 0.5) * value.rows - 0.5, 0.0, value.rows - 1.001);
     const int i = static_cast<int>(u), j = static_cast<int>(v);
@@ -64,13 +68,14 @@ struct Drawing {
       return (1.0 - b) * ((1.0 - a) * static_cast<double>(top[0]) + a * static_cast<double>(top[1])) +
              b * ((1.0 - a) * static_cast<double>(bottom[0]) + a * static_cast<double>(bottom[1]));
     };
-    return {mix(value), mix(by_x), mix(by_y)};
+    return {mix(value), mix(by_x), mix(by_y), mix(bend)};
   }
 };
 
 struct State {
   PlanarPose pose;
   double brightness = 0.0, contrast = 1.0;
+  double bend = 0.0;  // contrast times half of what is missing in the squared blur [blocks^2]
 };
 
 /// Where a ray meets the plane, and the ray, both in the frame of the picture.
@@ -90,20 +95,21 @@ struct PlaneView {
   }
 };
 
-/// Residual of a block and its derivative: a turn and a shift of the picture in its own frame, brightness, contrast.
-double residual(const Block& block, const PlaneView& view, const State& state, const Drawing& drawing, Vector8* by) {
+/// Residual of a block and its derivative: a turn and a shift of the picture in its own frame, brightness, contrast,
+/// blur.
+double residual(const Block& block, const PlaneView& view, const State& state, const Drawing& drawing, Unknowns* by) {
   const Meeting m = view.meet(block.ray);
-  const Vector3 s = drawing.at(m.point);
+  const Eigen::Vector4d s = drawing.at(m.point);
   if (by != nullptr) {
     const double x = m.point.x(), y = m.point.y();
     const double gx = state.contrast * s[1], gy = state.contrast * s[2];
     const double along = (gx * m.ray.x() + gy * m.ray.y()) / m.ray.z();
-    *by << -gx, -gy, along, along * y, -along * x, gx * y - gy * x, 1.0, s[0];
+    *by << -gx, -gy, along, along * y, -along * x, gx * y - gy * x, 1.0, s[0], s[3];
   }
-  return block.value - state.brightness - state.contrast * s[0];
+  return block.value - state.brightness - state.contrast * s[0] - state.bend * s[3];
 }
 
-State moved(const State& state, const Vector8& step) {
+State moved(const State& state, const Unknowns& step) {
   State s = state;
   s.pose.translation += state.pose.rotation * step.head<3>();
   const double angle = step.segment<3>(3).norm();
@@ -113,12 +119,22 @@ State moved(const State& state, const Vector8& step) {
   }
   s.brightness += step[6];
   s.contrast += step[7];
+  s.bend += step[8];
   return s;
 }
 
 double huber(double squared_ratio) {
   constexpr double kElbow = 2.0;
   return squared_ratio <= kElbow * kElbow ? 1.0 : kElbow / std::sqrt(squared_ratio);
+}
+
+/// The rotation with the normal mirrored at the line of sight: the second pose that looks the same under weak
+/// perspective.
+Matrix3 mirrored_tilt(const PlanarPose& pose) {
+  const Vector3 sight = pose.translation.normalized(), normal = pose.rotation.col(2);
+  const Vector3 mirrored = 2.0 * sight.dot(normal) * sight - normal;
+  // Weak perspective keeps the picture's outline if the turn about the line of sight is shared between both normals.
+  return Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix() * pose.rotation;
 }
 
 class Aligner {
@@ -144,6 +160,7 @@ class Aligner {
               cv::BORDER_REPLICATE);
     cv::Sobel(drawing_.value, drawing_.by_y, CV_32F, 0, 1, 1, 0.5 * size.height / picture_.height, 0.0,
               cv::BORDER_REPLICATE);
+    cv::Laplacian(drawing_.value, drawing_.bend, CV_32F, 1, kOversampling * kOversampling, 0.0, cv::BORDER_REPLICATE);
     const double border = 2.5 * blur + 0.5;
     drawing_.margin_x = std::min(0.2, border / columns) * picture_.width;
     drawing_.margin_y = std::min(0.2, border / rows) * picture_.height;
@@ -155,15 +172,19 @@ class Aligner {
     const PlaneView view(state.pose);
     const double area = static_cast<double>(patch_.blocks.total());
     const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(0.6 * area / kMost))));
-    for (int row = 0; row < patch_.blocks.rows; row += stride) {
-      for (int column = 0; column < patch_.blocks.cols; column += stride) {
-        const auto ray = models::unproject(camera_, patch_.pixel(column, row));
-        if (!ray) continue;
-        const Block block{ray->direction.homogeneous(), static_cast<double>(patch_.blocks.at<float>(row, column)),
-                          column / stride, row / stride};
-        const Meeting m = view.meet(block.ray);
-        if (m.ray.z() > 0.05 && drawing_.inside(m.point)) blocks_.push_back(block);
+    if (all_.empty()) {
+      for (int row = 0; row < patch_.blocks.rows; row += stride) {
+        for (int column = 0; column < patch_.blocks.cols; column += stride) {
+          if (const auto ray = models::unproject(camera_, patch_.pixel(column, row))) {
+            all_.push_back({ray->direction.homogeneous(), static_cast<double>(patch_.blocks.at<float>(row, column)),
+                            column / stride, row / stride});
+          }
+        }
       }
+    }
+    for (const Block& block : all_) {
+      const Meeting m = view.meet(block.ray);
+      if (m.ray.z() > 0.05 && drawing_.inside(m.point)) blocks_.push_back(block);
     }
     return blocks_.size() >= static_cast<std::size_t>(kFewest);
   }
@@ -180,6 +201,7 @@ class Aligner {
     if (!(spread > 1e-6 * n)) return false;
     state.contrast = (sv - s * v / n) / spread;
     state.brightness = (v - state.contrast * s) / n;
+    state.bend = 0.0;
     return true;
   }
 
@@ -194,12 +216,12 @@ class Aligner {
   }
 
   /// Huber's cost with residuals in units of `scale`, and the normal equations about the state.
-  double equations(const State& state, double scale, Matrix8& a, Vector8& b) const {
+  double equations(const State& state, double scale, Information& a, Unknowns& b) const {
     const PlaneView view(state.pose);
     a.setZero();
     b.setZero();
     double cost = 0.0;
-    Vector8 by;
+    Unknowns by;
     for (const Block& block : blocks_) {
       const double r = residual(block, view, state, drawing_, &by);
       const double ratio = r * r / (scale * scale);
@@ -214,19 +236,19 @@ class Aligner {
 
   bool descend(State& state, int steps) const {
     double scale = std::max(1.0, std::sqrt(mean_square(state)));
-    Matrix8 a;
-    Vector8 b;
+    Information a;
+    Unknowns b;
     double damping = 1e-4;
     double cost = equations(state, scale, a, b);
     const double distance = state.pose.translation.norm();
     for (int step = 0; step < steps; ++step) {
-      Matrix8 damped = a;
+      Information damped = a;
       damped.diagonal() *= 1.0 + damping;
-      const Vector8 delta = damped.ldlt().solve(b);
+      const Unknowns delta = damped.ldlt().solve(b);
       if (!delta.allFinite()) return false;
       const State next = moved(state, delta);
-      Matrix8 next_a;
-      Vector8 next_b;
+      Information next_a;
+      Unknowns next_b;
       const double next_cost = equations(next, scale, next_a, next_b);
       if (next_cost <= cost) {
         const double gain = cost - next_cost;
@@ -265,10 +287,10 @@ class Aligner {
     // Rounding to whole grey levels is noise too.
     result.noise = std::sqrt(std::max(left / (n - kUnknowns), 1.0 / 12.0));
 
-    Matrix8 a;
-    Vector8 b;
+    Information a;
+    Unknowns b;
     equations(state, result.noise, a, b);
-    const Matrix8 inverse = a.ldlt().solve(Matrix8::Identity());
+    const Information inverse = a.ldlt().solve(Information::Identity());
     const auto floor = corner_covariance(state.pose);
     if (!floor) return std::nullopt;
     const Matrix6 own =
@@ -332,7 +354,8 @@ class Aligner {
   const models::CameraIntrinsics& camera_;
   cv::Mat plain_;
   Drawing drawing_;
-  std::vector<Block> blocks_;
+  std::vector<Block> all_;     // of the patch
+  std::vector<Block> blocks_;  // that show the inside of the picture
 };
 
 }  // namespace
@@ -411,7 +434,17 @@ std::optional<PlanarAlignment> align_planar(const models::CameraIntrinsics& came
   const double drawn_columns = columns / patch.factor, drawn_rows = rows / patch.factor;
   constexpr double kFirstBlur = 1.6;
   aligner.draw(drawn_columns, drawn_rows, kFirstBlur);
-  if (!aligner.choose(state) || !aligner.tone(state) || !aligner.descend(state, 12)) return std::nullopt;
+  const auto settle = [&](State& s) { return aligner.choose(s) && aligner.tone(s) && aligner.descend(s, kSteps); };
+  // A small picture tilted one way looks nearly as tilted the other way: both are tried.
+  State other = state;
+  other.pose.rotation = mirrored_tilt(start);
+  const bool settled = settle(state);
+  const bool small = columns * rows < kAmbiguous * kAmbiguous;
+  if (small && settle(other) && (!settled || aligner.mean_square(other) < aligner.mean_square(state))) {
+    state = other;
+  } else if (!settled) {
+    return std::nullopt;
+  }
 
   double best = 0.0, blur = 0.0;
   for (const double candidate : kBlurs) {
@@ -424,7 +457,7 @@ std::optional<PlanarAlignment> align_planar(const models::CameraIntrinsics& came
     blur = candidate;
   }
   aligner.draw(drawn_columns, drawn_rows, blur);
-  if (!aligner.choose(state) || !aligner.tone(state) || !aligner.descend(state, 12)) return std::nullopt;
+  if (!settle(state)) return std::nullopt;
   auto result = aligner.judge(state);
   if (result) result->blur_px = blur * patch.factor;
   return result;

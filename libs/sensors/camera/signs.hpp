@@ -30,7 +30,7 @@ struct SignParameters {
 
 struct SignDetectorParameters {
   std::vector<SignParameters> catalogue;
-  int features = 600;            ///< of a picture, at most
+  int features = 500;            ///< of a picture, at most
   int fast_threshold = 20;       ///< contrast of a corner [grey levels]
   double ratio = 0.85;           ///< of the distances of the best and the second best descriptor
   int min_matches = 4;           ///< that agree on one view
