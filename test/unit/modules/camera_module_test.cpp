@@ -23,7 +23,7 @@ sim::RoomParameters room_with_signs() {
 
 sensors::LandmarkCameraParameters looking_for_signs() {
   sensors::SignDetectorParameters signs;
-  signs.catalogue = {{.id = 4, .picture = 1, .width = 0.3}, {.id = 7, .picture = 2, .width = 0.3}};
+  signs.catalogue = {{4, {}, 1, 0.3}, {7, {}, 2, 0.3}};
   sensors::LandmarkCameraParameters parameters;
   parameters.intrinsics.emplace();
   parameters.mounting.emplace();
