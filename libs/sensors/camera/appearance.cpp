@@ -12,7 +12,7 @@ namespace noctule::sensors {
 namespace {
 
 constexpr int kSamples = 12;         // along each side of a box, for its colours
-constexpr double kLeastSide = 28.0;  // of the target in the shrunk image [pixels]
+constexpr double kLeastSide = 48.0;  // of the target in the shrunk image [pixels]
 constexpr int kGreyBins = 16;
 constexpr int kReach = 255;             // of a difference of neighbours
 constexpr float kNoiseStrength = 3.0f;  // [grey levels]: weaker gradients are not blown up
