@@ -94,10 +94,12 @@ auto as_array(Values& values) {
       values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-/// Mean 0, norm 1; all 0 when there is nothing to speak of.
+/// Mean 0 of each direction, norm 1; all 0 when there is nothing to speak of.
 void standardise(GradientGrid& grid) {
+  Eigen::Map<Eigen::Array<float, kDirections, kGridCells * kGridCells>> cells(grid.data());
+  const Eigen::Array<float, kDirections, 1> means = cells.rowwise().mean();
+  cells.colwise() -= means;
   auto values = as_array(grid);
-  values -= values.mean();
   const float norm = values.matrix().norm();
   if (norm > 1e-3f) {
     values /= norm;

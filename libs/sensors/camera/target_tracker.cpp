@@ -229,7 +229,7 @@ void TargetTracker::decide() {
   if (!saliency_) return;
   const double most = 1.0 - parameters_.least_search;
   if (estimate_.lost) {
-    local_ = 0.0;
+    local_ = parameters_.lost_local;
   } else if (c >= parameters_.found) {
     local_ = most;
   } else {
