@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kSamples = 12;         // along each side of a box, for its colours
 constexpr double kLeastSide = 48.0;  // of the target in the shrunk image [pixels]
+constexpr float kRim = 0.6f;
 constexpr int kGreyBins = 16;
 constexpr int kReach = 255;             // of a difference of neighbours
 constexpr float kNoiseStrength = 3.0f;  // [grey levels]: weaker gradients are not blown up
@@ -94,11 +95,17 @@ auto as_array(Values& values) {
       values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-/// Mean 0 of each direction, norm 1; all 0 when there is nothing to speak of.
+/// Cells at the rim see more of what is behind the target.
+float taper(int cell) {
+  return cell == 0 || cell == kGridCells - 1 ? kRim : 1.0f;
+}
+
+/// Mean 0 of each direction, then the rim made weaker, norm 1; all 0 when there is nothing to speak of.
 void standardise(GradientGrid& grid) {
   Eigen::Map<Eigen::Array<float, kDirections, kGridCells * kGridCells>> cells(grid.data());
   const Eigen::Array<float, kDirections, 1> means = cells.rowwise().mean();
-  cells.colwise() -= means;
+  for (int i = 0; i < kGridCells * kGridCells; ++i)
+    cells.col(i) = (cells.col(i) - means) * (taper(i / kGridCells) * taper(i % kGridCells));
   auto values = as_array(grid);
   const float norm = values.matrix().norm();
   if (norm > 1e-3f) {
@@ -287,7 +294,8 @@ void Appearance::blend() {
   const auto first = static_cast<float>(parameters_.anchor);
   as_array(colours_) = first * as_array(first_colours_) + (1.0f - first) * as_array(later_colours_);
   as_array(grid_) = first * as_array(first_grid_) + (1.0f - first) * as_array(later_grid_);
-  standardise(grid_);
+  const float norm = as_array(grid_).matrix().norm();
+  if (norm > 0.0f) as_array(grid_) /= norm;
 }
 
 }  // namespace noctule::sensors

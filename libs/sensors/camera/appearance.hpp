@@ -15,7 +15,7 @@ namespace noctule::sensors {
 struct AppearanceParameters {
   double colour_sd = 0.2;
   double gradient_sd = 0.12;
-  double context = 1.1;
+  double context = 1.2;
   double learning = 0.04;
   double anchor = 0.5;
 
@@ -47,7 +47,7 @@ inline constexpr std::size_t kColourBins = 72;
 using ColourHistogram = std::array<float, kColourBins>;  ///< sum 1, or 0 of a flat grey box
 
 /// Histograms of 8 directions of gradients (without sign) in 6 x 6 cells, each relative to the strength of its
-/// neighbourhood; mean 0, norm 1 (0 of a flat box).
+/// neighbourhood, as differences from the direction's mean; norm 1 (0 of a flat box). Cells at the rim count less.
 inline constexpr int kGridCells = 6;
 inline constexpr int kDirections = 8;
 using GradientGrid = std::array<float, static_cast<std::size_t>(kGridCells* kGridCells* kDirections)>;

@@ -127,7 +127,7 @@ void MotionSaliency::update(const Image& image) {
   moving_share_ = static_cast<double>(moving) / static_cast<double>(f.difference.total());
 }
 
-void MotionSaliency::prepare(const Vector2& size) {
+void MotionSaliency::prepare(const Vector2& size, double uniform_share) {
   const auto sum_at = [&](int column, int row) -> double& {
     return sums_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 1) +
                  static_cast<std::size_t>(column)];
@@ -153,7 +153,7 @@ void MotionSaliency::prepare(const Vector2& size) {
     }
   }
   // Cells at the right and lower edge may be smaller: the uniform part is by area.
-  const double share = pooled > 0.0 ? parameters_.uniform_share : 1.0;
+  const double share = pooled > 0.0 ? std::max(parameters_.uniform_share, uniform_share) : 1.0;
   const double area = static_cast<double>(width_) * height_;
   for (std::size_t i = 0; i < pooled_.size(); ++i) {
     const double moving = pooled > 0.0 ? pooled_[i] / pooled : 0.0;

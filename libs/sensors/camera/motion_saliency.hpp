@@ -65,8 +65,9 @@ class MotionSaliency {
   void update(const Image& image);
 
   /// Prepares draw() and log_density() for boxes about as large as this: centres are drawn where such a box holds
-  /// much motion. \param size [pixels] of the target
-  void prepare(const Vector2& size);
+  /// much motion. \param size [pixels] of the target \param uniform_share instead of the parameters', where it is
+  /// larger
+  void prepare(const Vector2& size, double uniform_share = 0.0);
   /// A place with the density of log_density().
   [[nodiscard]] Vector2 draw(Rng& rng) const;
   /// Of a place [1/pixels^2]; -inf outside of the image. Finite everywhere inside.

@@ -12,11 +12,11 @@
 namespace noctule::sensors {
 namespace {
 
-constexpr double kLeastSide = 4.0;         // of a target [pixels]
-constexpr double kLeastLocalShare = 0.25;  // until a target counts as lost
-constexpr double kSearchStep = 0.1;        // of a best match nearby, in sides of the target
-constexpr double kSearchScale = 0.05;      // the same of log scale
-constexpr double kModeRadius = 0.3;        // of the estimate, in sides of the target
+constexpr double kLeastSide = 4.0;        // of a target [pixels]
+constexpr double kLeastLocalShare = 0.5;  // until a target counts as lost
+constexpr double kSearchStep = 0.1;       // of a best match nearby, in sides of the target
+constexpr double kSearchScale = 0.05;     // the same of log scale
+constexpr double kModeRadius = 0.3;       // of the estimate, in sides of the target
 constexpr int kModeSteps = 5;
 
 Vector2 place_of(const TargetState& state) {
@@ -81,7 +81,8 @@ const TargetEstimate& TargetTracker::track(const Image& image) {
   features_->update(image);
   if (saliency_) {
     saliency_->update(image);
-    if (local_ < 1.0) saliency_->prepare(std::exp(confident_log_scale_) * size_);
+    if (local_ < 1.0)
+      saliency_->prepare(std::exp(confident_log_scale_) * size_, estimate_.lost ? parameters_.lost_uniform : 0.0);
   }
   propose();
   weigh();
@@ -225,7 +226,8 @@ void TargetTracker::set_estimate() {
 void TargetTracker::decide() {
   const double c = estimate_.confidence;
   doubtful_frames_ = c < parameters_.lost ? doubtful_frames_ + 1 : 0;
-  estimate_.lost = doubtful_frames_ >= parameters_.patience;
+  if (c >= parameters_.found) estimate_.lost = false;
+  if (doubtful_frames_ >= parameters_.patience) estimate_.lost = true;
   if (!saliency_) return;
   const double most = 1.0 - parameters_.least_search;
   if (estimate_.lost) {

@@ -35,7 +35,8 @@ struct TargetTrackerParameters {
   double lost = 0.6;
   int patience = 2;
   double least_search = 0.05;
-  double lost_local = 0.0;
+  double lost_local = 0.3;
+  double lost_uniform = 0.5;
   double jump_speed = 10.0;
   double jump_scale_sd = 0.1;
   double measured_sd = 3.0;
@@ -63,6 +64,9 @@ struct TargetTrackerParameters {
             "share of the particles that search the whole image even while the target is found", between(0.0, 1.0));
     v.field("lost_local", &P::lost_local, unit::one,
             "share of the particles that go on from the best candidates while the target is lost", between(0.0, 1.0));
+    v.field("lost_uniform", &P::lost_uniform, unit::one,
+            "share of the searching particles that look anywhere while the target is lost: it may stand still",
+            between(0.0, 1.0));
     v.field("jump_speed", &P::jump_speed, unit::one, "sd of a velocity after a jump, in pixels a frame", positive());
     v.field("jump_scale_sd", &P::jump_scale_sd, unit::one, "sd of log scale after a jump", positive());
     v.field("measured_sd", &P::measured_sd, unit::one,
