@@ -109,7 +109,7 @@ Tree effective_config(const FilterSpec& filter) {
   for (std::string& assignment : assignments) {
     if (assignment.starts_with("N=")) assignment.replace(0, 1, "particles");  // N is what papers call it
   }
-  return config::override_tree(filter.config, assignments);
+  return config::override_tree(filter.config, assignments, "filter '" + filter.name + "': parameters: ");
 }
 
 bool has_diverged(double final_position_error, double path_length) {
