@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.hpp"
+#include "sensors/camera/opencv.hpp"
 
 namespace noctule::sensors {
 
@@ -21,9 +22,7 @@ void check_image(const Image& image, const std::string& what, int width, int hei
 }
 
 void grey_image(const Image& image, int shrink, cv::Mat& full, cv::Mat& grey) {
-  // OpenCV has no view of constant data; nothing here writes to it.
-  const cv::Mat view(image.height, image.width, image.channels == 1 ? CV_8UC1 : CV_8UC3,
-                     const_cast<std::uint8_t*>(image.pixels.data()));
+  const cv::Mat view = as_mat(image);
   if (image.channels == 3) cv::cvtColor(view, full, cv::COLOR_BGR2GRAY);
   const cv::Mat& source = image.channels == 3 ? full : view;
   if (shrink == 1) {
