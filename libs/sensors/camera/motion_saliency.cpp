@@ -185,4 +185,8 @@ double MotionSaliency::log_density(const Vector2& place) const {
   return std::log(table_.probability(cell) / cell_size(cell).prod());
 }
 
+double MotionSaliency::log_uniform_density() const {
+  return -std::log(static_cast<double>(width_) * height_);
+}
+
 }  // namespace noctule::sensors

@@ -73,6 +73,8 @@ class MotionSaliency {
   /// Of a place [1/pixels^2]; -inf outside of the image. Finite everywhere inside.
   [[nodiscard]] double log_density(const Vector2& place) const;
 
+  [[nodiscard]] double log_uniform_density() const;
+
   /// Saliency summed over each cell, row by row; grey levels x pixels of the image worked on.
   [[nodiscard]] const std::vector<double>& cells() const { return cells_; }
   [[nodiscard]] int columns() const { return columns_; }

@@ -109,32 +109,16 @@ void TargetTracker::propose() {
     Rng rng(seed_, stream_id("target_tracker.proposal"), frame_, static_cast<std::uint32_t>(i));
     const bool updated =
         parameters_.proposal == TargetProposal::kalman || parameters_.proposal == TargetProposal::unscented;
-    const Draw draw = updated ? draw_updated(states_[i], rng) : draw_mixed(states_[i], is_local(i, offset), rng);
+    const TargetDraw draw = updated ? draw_updated(states_[i], rng) : draw_mixed(states_[i], is_local(i, offset), rng);
     states_[i] = draw.state;
     log_ratios_[i] = draw.log_ratio;
   }
 }
 
-TargetTracker::Draw TargetTracker::draw_mixed(const TargetState& before, bool local, Rng& rng) const {
-  const TargetMotion& motion = parameters_.motion;
-  if (local_ >= 1.0) return {motion.draw(before, rng), 0.0};
-  const double speed_sd = parameters_.jump_speed, scale_sd = parameters_.jump_scale_sd;
-  TargetState s;
-  if (local) {
-    s = motion.draw(before, rng);
-  } else {
-    s.head<2>() = saliency_->draw(rng);
-    s[2] = rng.normal(0.0, speed_sd);
-    s[3] = rng.normal(0.0, speed_sd);
-    s[4] = rng.normal(confident_log_scale_, scale_sd);
-  }
-  const double jump = std::log1p(-local_) + log_gaussian(s[2], speed_sd * speed_sd) +
-                      log_gaussian(s[3], speed_sd * speed_sd) +
-                      log_gaussian(s[4] - confident_log_scale_, scale_sd * scale_sd);
-  const double salient = saliency_->log_density(place_of(s));
-  const double uniform = std::isfinite(salient) ? -std::log(static_cast<double>(width_) * height_) : -kInf;
-  const double dynamics = std::log(local_) + motion.log_density(s, before);
-  return {s, log_add_exp(dynamics, jump + uniform) - log_add_exp(dynamics, jump + salient)};
+TargetDraw TargetTracker::draw_mixed(const TargetState& before, bool local, Rng& rng) const {
+  if (local_ >= 1.0) return {parameters_.motion.draw(before, rng), 0.0};
+  const SearchMixture mixture{local_, parameters_.jump_speed, confident_log_scale_, parameters_.jump_scale_sd};
+  return mixture.draw(parameters_.motion, *saliency_, before, local, rng);
 }
 
 /// One step of mean shift on the likelihood about a predicted state, then over scales.
@@ -167,7 +151,7 @@ TargetMeasurement TargetTracker::best_match(const TargetState& predicted) const 
   return {best[0], best[1], box_of(best).size.x()};
 }
 
-TargetTracker::Draw TargetTracker::draw_updated(const TargetState& before, Rng& rng) const {
+TargetDraw TargetTracker::draw_updated(const TargetState& before, Rng& rng) const {
   const TargetMotion& motion = parameters_.motion;
   const TargetMeasurement z = best_match(motion.predict(before));
   const TargetMeasurement sd(parameters_.measured_sd, parameters_.measured_sd, parameters_.measured_scale_sd * z[2]);

@@ -12,6 +12,7 @@
 #include "particle/weights.hpp"
 #include "sensors/camera/appearance.hpp"
 #include "sensors/camera/motion_saliency.hpp"
+#include "sensors/camera/search_mixture.hpp"
 #include "sensors/camera/target_motion.hpp"
 
 namespace noctule::sensors {
@@ -83,9 +84,8 @@ struct TargetEstimate {
   bool lost = false;
 };
 
-/// Prior of a frame: with probability `local` by the dynamics from the frame before, else anywhere in the image. With
-/// the proposal `saliency` the share `local` of the particles is drawn by the dynamics p, the rest from the saliency g:
-/// w = L (local p + (1 - local) u) / (local p + (1 - local) g), u uniform. All other proposals: local = 1.
+/// With the proposal `saliency`, local_share() of the particles is drawn by the dynamics and the rest from the motion
+/// saliency, weighted as by SearchMixture; with the others all go by the dynamics.
 class TargetTracker {
  public:
   /// \throws InputError for parameters outside their ranges
@@ -110,14 +110,10 @@ class TargetTracker {
   void displace(const Vector2& offset);
 
  private:
-  struct Draw {
-    TargetState state;
-    double log_ratio = 0.0;  ///< prior over proposal
-  };
   void propose();
   [[nodiscard]] bool is_local(std::size_t i, double offset) const;
-  [[nodiscard]] Draw draw_mixed(const TargetState& before, bool local, Rng& rng) const;
-  [[nodiscard]] Draw draw_updated(const TargetState& before, Rng& rng) const;
+  [[nodiscard]] TargetDraw draw_mixed(const TargetState& before, bool local, Rng& rng) const;
+  [[nodiscard]] TargetDraw draw_updated(const TargetState& before, Rng& rng) const;
   [[nodiscard]] TargetMeasurement best_match(const TargetState& predicted) const;
   [[nodiscard]] ImageBox box_of(const TargetState& state) const;
   void weigh();
