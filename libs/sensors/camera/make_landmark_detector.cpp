@@ -1,0 +1,14 @@
+#include "sensors/camera/make_landmark_detector.hpp"
+
+namespace noctule::sensors {
+
+std::unique_ptr<LandmarkDetector> make_landmark_detector(const LandmarkDetectorParameters& parameters,
+                                                         const models::CameraIntrinsics& camera,
+                                                         const models::CameraMounting& mounting,
+                                                         const PictureReader& read_picture) {
+  if (const auto* signs = std::get_if<SignDetectorParameters>(&parameters))
+    return make_sign_detector(*signs, camera, mounting, read_picture);
+  return make_fiducial_detector(std::get<FiducialParameters>(parameters), camera, mounting);
+}
+
+}  // namespace noctule::sensors
