@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/observation_order.hpp"
 #include "modules/names.hpp"
+#include "noctule/camera_image.hpp"
 #include "noctule/ground_truth.hpp"
 #include "noctule/landmark_detections.hpp"
 #include "noctule/odometry.hpp"
@@ -24,6 +25,10 @@ const char* channel_of(const GroundTruth&) {
   return bus::channel::kGroundTruth;
 }
 
+const char* channel_of(const CameraImage&) {
+  return bus::channel::kCameraImage;
+}
+
 /// Own utime of the message if the channel is one of observations.
 /// \throws InputError when the bytes are no such message
 std::optional<std::int64_t> observation_utime(const bus::LogEvent& event) {
@@ -31,6 +36,7 @@ std::optional<std::int64_t> observation_utime(const bus::LogEvent& event) {
   if (event.channel == bus::channel::kUltrasonicScan) return bus::decode<ultrasonic_scan>(event.data).utime;
   if (event.channel == bus::channel::kLandmarkDetections) return bus::decode<landmark_detections>(event.data).utime;
   if (event.channel == bus::channel::kGroundTruth) return bus::decode<ground_truth>(event.data).utime;
+  if (event.channel == bus::channel::kCameraImage) return bus::decode<camera_image>(event.data).utime;
   return std::nullopt;
 }
 
@@ -64,7 +70,8 @@ void ObservationModule::publish_next() {
   next_.reset();
 }
 
-LogModule::LogModule(bus::Bus& bus, const std::filesystem::path& log) : SourceModule(bus), reader_(log) {}
+LogModule::LogModule(bus::Bus& bus, const std::filesystem::path& log, bool sightings)
+    : SourceModule(bus), reader_(log), sightings_(sightings) {}
 
 std::optional<std::int64_t> LogModule::next_utime() {
   if (!next_) read_next();
@@ -80,6 +87,7 @@ void LogModule::publish_next() {
 void LogModule::read_next() {
   while ((next_ = reader_.next())) {
     ++events_;
+    if (!sightings_ && next_->channel == bus::channel::kLandmarkDetections) continue;
     try {
       const auto utime = observation_utime(*next_);
       if (!utime) continue;

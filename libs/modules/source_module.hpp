@@ -1,5 +1,6 @@
 #pragma once
-/// Modules that put observations on the bus: ODOMETRY, ULTRASONIC_SCAN, LANDMARK_DETECTIONS, GROUND_TRUTH.
+/// Modules that put observations on the bus: ODOMETRY, ULTRASONIC_SCAN, LANDMARK_DETECTIONS, GROUND_TRUTH,
+/// CAMERA_IMAGE.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -43,8 +44,9 @@ class ObservationModule : public SourceModule {
 /// Publishes the observations in an LCM log again, as they were; what modules made of them is passed over.
 class LogModule : public SourceModule {
  public:
+  /// \param sightings whether LANDMARK_DETECTIONS are among what is published
   /// \throws InputError when the file cannot be opened
-  LogModule(bus::Bus& bus, const std::filesystem::path& log);
+  LogModule(bus::Bus& bus, const std::filesystem::path& log, bool sightings = true);
   [[nodiscard]] std::optional<std::int64_t> next_utime() override;
 
  private:
@@ -52,6 +54,7 @@ class LogModule : public SourceModule {
   void read_next();
 
   bus::LogReader reader_;
+  bool sightings_;
   std::optional<bus::LogEvent> next_;  ///< decodable; its utime is the message's own
   std::int64_t events_ = 0;
 };
