@@ -21,7 +21,8 @@
 
 namespace noctule::filters {
 
-/// The proposal is the motion prior (FastSLAM 1), the weight the likelihood of what was heard or seen: an echo as range
+/// The proposal is the motion prior (FastSLAM 1), for scans on request the scan too (FastSLAM 2); the weight the
+/// likelihood of what was heard or seen: an echo as range
 /// and coarse bearing on one landmark or on clutter, a sighting as range and bearing of one landmark.
 class ParticleSlam : public SlamFilter {
  public:
@@ -46,7 +47,12 @@ class ParticleSlam : public SlamFilter {
   [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
 
  private:
+  /// Counts stops, and lets the smoother know of the motion. To be called once per observation, before the next.
+  void begin_motion();
   void move_particles();
+  [[nodiscard]] Rng motion_rng(std::size_t i) const {
+    return Rng(seed_, stream_id("particle_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i));
+  }
   /// \param body notes in fits_ what particles [begin, end) say
   /// \param echoes of which the noise is learned, from residuals_
   void observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body, std::size_t echoes = 0);

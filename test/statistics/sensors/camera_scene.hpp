@@ -100,7 +100,11 @@ inline void draw(const models::CameraIntrinsics& camera, const Flat& flat, std::
       double& g = grey[static_cast<std::size_t>(y * camera.width + x)];
       double sum = 0.0;
       for (int k = 0; k < kRays * kRays; ++k) {
-        const Vector2 off((k % kRays + 0.5) / kRays - 0.5, (k / kRays + 0.5) / kRays - 0.5);
+        // Rays at random within their cells: else edges along the rows would all be off by the same.
+        const std::uint64_t bits = splitmix64(static_cast<std::uint64_t>((y * camera.width + x) * kRays * kRays + k));
+        const double a = static_cast<double>(bits & 0xffffU) / 65536.0;
+        const double b = static_cast<double>((bits >> 16) & 0xffffU) / 65536.0;
+        const Vector2 off((k % kRays + a) / kRays - 0.5, (k / kRays + b) / kRays - 0.5);
         const Vector3 e = back * Vector2(middle->direction + middle->by_pixel * off).homogeneous();
         const Vector2 p = eye.head<2>() - e.head<2>() * (eye.z() / e.z());
         const double u = (p.x() / flat.picture.width + 0.5) * texture.width;
