@@ -36,12 +36,13 @@ SlamModule::SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, co
   listen<odometry>(bus::channel::kOdometry, [this](const Odometry& o) { take(o); });
   listen<landmark_detections>(bus::channel::kLandmarkDetections, [this](const LandmarkDetections& d) { take(d); });
   listen<ultrasonic_scan>(bus::channel::kUltrasonicScan, [this](const UltrasonicScan& scan) { take(scan); });
+  std::set<std::string> awaited{name::kSource};
   if (input.features) {
     listen<contour_features>(bus::channel::kContourFeatures, [this](const ContourFeatures& f) { take_features(f); });
-    finish_after({name::kSource, name::kUltrasonic});
-  } else {
-    finish_after({name::kSource});
+    awaited.insert(name::kUltrasonic);
   }
+  if (input.camera) awaited.insert(name::kCamera);
+  finish_after(std::move(awaited));
 }
 
 void SlamModule::begin_on(const PriorMapParameters& prior, const Pose2& start) {

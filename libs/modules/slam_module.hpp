@@ -57,6 +57,7 @@ struct SlamModuleParameters {
 /// What the filter is fed with beside odometry.
 struct SlamInput {
   bool features = true;  ///< scans come with CONTOUR_FEATURES of an ultrasonic module: wait for them
+  bool camera = false;   ///< sightings come from a camera module, which may still have some when the source has ended
 };
 
 /// ODOMETRY, ULTRASONIC_SCAN, CONTOUR_FEATURES, LANDMARK_DETECTIONS -> SLAM_ESTIMATE after each scan and sighting,

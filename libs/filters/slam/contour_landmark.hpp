@@ -125,6 +125,13 @@ class ContourLandmark {
 
   [[nodiscard]] LandmarkKind kind() const { return kind_; }
 
+  /// f(hypothesis) of what the landmark is, or while that is open, of what is likelier.
+  template <class F>
+  decltype(auto) with_likelier(const F& f) const {
+    const bool wall = kind_ == LandmarkKind::wall || (kind_ == LandmarkKind::undecided && log_ratio_ > 0.0);
+    return wall ? f(wall_) : f(circle_);
+  }
+
   /// To be read into.
   ContourLandmark() : id_(0), born_at_(0) {}
   void transfer(StateArchive& archive) {

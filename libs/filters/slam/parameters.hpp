@@ -161,6 +161,12 @@ void describe_particles(Visitor& v) {
           "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
 }
 
+/// Where particles are drawn that hear a scan.
+enum class EchoProposal : std::int8_t {
+  motion,  ///< from odometry alone (FastSLAM 1)
+  echoes   ///< from odometry and the scan, given each particle's map (FastSLAM 2)
+};
+
 /// What path() and map() say.
 enum class SmoothPath {
   none,  ///< the best particle's
@@ -190,7 +196,8 @@ struct ParticleSlamParameters {
   int particles = 100;
   particle::Resampling resampling = particle::Resampling::systematic;
   double resample_below = 0.5;  ///< resample when the effective sample size falls below this share of the particles
-  NoiseParameters noise;        ///< of echo ranges; one for all rangers
+  EchoProposal proposal = EchoProposal::motion;
+  NoiseParameters noise;  ///< of echo ranges; one for all rangers
   EchoParameters echo;
   ContourLandmarkParameters contour_landmarks;
   SightingParameters sightings;
@@ -203,6 +210,9 @@ struct ParticleSlamParameters {
   static void describe(Visitor& v) {
     using P = ParticleSlamParameters;
     describe_particles<P>(v);
+    v.choice("proposal", &P::proposal,
+             Choices<EchoProposal>{{"motion", EchoProposal::motion}, {"echoes", EchoProposal::echoes}},
+             "particles that hear a scan are drawn from odometry alone, or from odometry and the scan");
     v.one_of("noise", &P::noise, {"fixed", "em", "vb"}, "noise of echo ranges: nominal, or learned on the way");
     v.group("echo", &P::echo, "how one ultrasonic echo is judged");
     v.group("contour_landmarks", &P::contour_landmarks, "walls, cylinders and points heard by ultrasound");

@@ -20,8 +20,9 @@
 
 namespace noctule::filters {
 
-/// The proposal is the motion prior (FastSLAM 1), the weight the likelihood of what was heard or seen: an echo as range
-/// and coarse bearing on one landmark or on clutter, a sighting as range, bearing or both of one landmark.
+/// The proposal is the motion prior (FastSLAM 1), for scans on request the scan too (FastSLAM 2); the weight the
+/// likelihood of what was heard or seen: an echo as range and coarse bearing on one landmark or on clutter, a sighting
+/// as range, bearing or both of one landmark.
 class ParticleSlam : public SlamFilter {
  public:
   /// \param start pose of the base in the map at the first observation, taken as certain
@@ -46,7 +47,12 @@ class ParticleSlam : public SlamFilter {
   void transfer(StateArchive& archive) override;
 
  private:
+  /// Counts stops, and lets the smoother know of the motion. To be called once per observation, before the next.
+  void begin_motion();
   void move_particles();
+  [[nodiscard]] Rng motion_rng(std::size_t i) const {
+    return Rng(seed_, stream_id("particle_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i));
+  }
   /// What all particles say is in fits_.
   /// \param echoes of which the noise is learned, from residuals_
   void observe(const Stamp& stamp, std::size_t echoes = 0);

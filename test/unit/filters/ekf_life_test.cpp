@@ -81,7 +81,6 @@ TEST(EkfLife, DuplicatesBecomeOne) {
   expect_sound(filter);
 
   EkfSlam two(p);  // as far from each other as their errors allow
-  see(0.0, 100);
   LandmarkDetections d{{0, 0}, {}, {}};
   d.detections.push_back({.range = 5.0, .bearing = 0.0});
   d.detections.push_back({.range = 5.15, .bearing = 0.0});
