@@ -1,5 +1,6 @@
 #pragma once
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -13,6 +14,7 @@ struct SlamModuleParameters {
   filters::SlamFilterParameters filter;
   double map_period = 5.0;
   int particles_shown = 200;
+  double lag = 0.0;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -21,6 +23,9 @@ struct SlamModuleParameters {
     v.field("map_period_s", &P::map_period, unit::second, "time between two maps and paths on the bus", positive());
     v.field("particles_shown", &P::particles_shown, unit::one, "most particles on the bus, for the eye",
             between(0, 1000));
+    v.field("lag_s", &P::lag, unit::second,
+            "time that everything waits for sightings of its time from a camera in another process; 0: none",
+            at_least(0.0));
   }
 };
 
@@ -35,6 +40,9 @@ struct SlamInput {
 /// A scan waits for its features, and what comes meanwhile waits behind it, so that the filter sees everything in the
 /// order of the source however the messages of two processes interleave. When the next scan comes first, the features
 /// are lost or late: the scan goes in without, which is counted.
+/// Sightings of a camera in another process come when the base has moved on. With a lag, everything waits for so long
+/// (of message time) and goes in by time; sightings that are older than the odometry in the filter are dropped and
+/// counted.
 class SlamModule : public Module {
  public:
   SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, const SlamInput& input, std::uint64_t seed,
@@ -43,6 +51,7 @@ class SlamModule : public Module {
  private:
   using Input = std::variant<Odometry, UltrasonicScan, LandmarkDetections>;
 
+  void receive(Input input);
   void take(Input input);
   void take_features(const ContourFeatures& features);
   void process_waiting(const ContourFeatures* features);
@@ -54,10 +63,12 @@ class SlamModule : public Module {
   SlamModuleParameters parameters_;
   SlamInput input_;
   std::unique_ptr<filters::SlamFilter> filter_;
-  std::deque<Input> waiting_;                      ///< empty, or a scan without features and what came after it
-  std::optional<ContourFeatures> early_features_;  ///< overtook their scan
-  double mean_nis_ = 1.0;                          ///< NIS under the nominal noise, faded
-  std::int64_t features_due_ = 0;                  ///< number of the first scan whose features may still come
+  std::deque<Input> lagging_;     ///< by time
+  std::int64_t moved_utime_ = 0;  ///< of the latest odometry that the filter may have
+  std::deque<Input> waiting_;     ///< empty, or a scan without features and what came after it
+  std::map<std::int64_t, ContourFeatures> early_features_;  ///< by number of the scan that they overtook
+  double mean_nis_ = 1.0;                                   ///< NIS under the nominal noise, faded
+  std::int64_t features_due_ = 0;                           ///< number of the first scan whose features may still come
   std::optional<std::int64_t> map_utime_;
 };
 
