@@ -1,5 +1,6 @@
 #pragma once
 /// One target followed through a film: rendered, with a seed of its own, or recorded with a box drawn in every frame.
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -44,10 +45,13 @@ class VisualTracking : public Scenario {
  private:
   struct Film;
   [[nodiscard]] Film film(std::uint64_t seed) const;
+  [[nodiscard]] FilterRun run_one(const FilterSpec&, const Film&, std::uint64_t seed) const;
+  [[nodiscard]] FilterRun run_unseeded(const FilterSpec&, const Film&) const;
 
   VisualTrackingParameters parameters_;
   mutable std::mutex mutex_;
   mutable std::optional<datasets::BoxedImages> recording_;  ///< read once
+  mutable std::map<std::string, FilterRun> unseeded_;       ///< what does not draw makes of the recording
 };
 
 }  // namespace noctule::experiment

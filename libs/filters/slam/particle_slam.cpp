@@ -56,25 +56,23 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   const std::size_t kept = noise_.adapts() ? echoes : 0;
   residuals_.resize(kept * particles_.size());
   const WhitenedMotion motion(proposal_.motion());
-  observe(
-      scan.stamp,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<char> scratch;
-        std::vector<std::int32_t> assigned;
-        for (std::size_t i = begin; i < end; ++i) {
-          Pose2& pose = particles_.poses()[i];
-          double log_correction = 0.0;
-          if (informed) {
-            const DrawnPose drawn = observation.draw_pose(pose, motion, contours_[i], assigned, motion_rng(i));
-            pose = drawn.pose;
-            log_correction = drawn.log_correction;
-          }
-          fits_[i] = observation.apply(pose, contours_[i], scratch, std::span(residuals_).subspan(i * kept, kept));
-          fits_[i].log_likelihood += log_correction;
-        }
-      },
-      kept);
+  particle::for_blocks(particles_.size(), parameters_.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<char> scratch;
+    std::vector<std::int32_t> assigned;
+    for (std::size_t i = begin; i < end; ++i) {
+      Pose2& pose = particles_.poses()[i];
+      double log_correction = 0.0;
+      if (informed) {
+        const DrawnPose drawn = observation.draw_pose(pose, motion, contours_[i], assigned, motion_rng(i));
+        pose = drawn.pose;
+        log_correction = drawn.log_correction;
+      }
+      fits_[i] = observation.apply(pose, contours_[i], scratch, std::span(residuals_).subspan(i * kept, kept));
+      fits_[i].log_likelihood += log_correction;
+    }
+  });
   proposal_.reset();
+  observe(scan.stamp, kept);
   if (smoother_) smoother_->add(scan, noise_.mixture());
 }
 
@@ -91,11 +89,13 @@ void ParticleSlam::update(const LandmarkDetections& detections) {
   points_.begin(detections, next_id_);
   points_.associate(particles_.poses(), {});
   points_.make_writable();
-  observe(detections.stamp, [this](std::size_t begin, std::size_t end) {
+  particle::for_blocks(particles_.size(), parameters_.threads, [this](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       fits_[i] = update_map(points_.view(i), particles_.poses()[i], KalmanUpdate{});
     }
   });
+  points_.live(particles_.poses(), particles_.best(), fits_);
+  observe(detections.stamp);
 }
 
 void ParticleSlam::begin_motion() {
@@ -116,9 +116,7 @@ void ParticleSlam::move_particles() {
   }
 }
 
-void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body,
-                           std::size_t echoes) {
-  particle::for_blocks(particles_.size(), parameters_.threads, body);
+void ParticleSlam::observe(const Stamp& stamp, std::size_t echoes) {
   particles_.weigh(fits_);
   if (echoes > 0) learn_noise(echoes);
   particles_.record(stamp, fits_);
@@ -129,6 +127,18 @@ void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::siz
   for (std::size_t i = 0; i < ancestors.size(); ++i) {
     if (ancestors[i] != i) contours_[i] = contours_[ancestors[i]];
   }
+}
+
+void ParticleSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  particles_.spread(poses);
+  points_.begin_on(point_landmarks(map), next_id_);
+}
+
+void ParticleSlam::transfer(StateArchive& archive) {
+  archive(proposal_, noise_, noise_scale_, particles_, contours_, points_, next_id_, stop_, way_from_stop_, last_scan_,
+          last_detections_);
+  if (smoother_) archive(*smoother_);
+  if (particles_.poses().size() != fits_.size()) throw InputError("state: expected that of as many particles");
 }
 
 void ParticleSlam::learn_noise(std::size_t echoes) {

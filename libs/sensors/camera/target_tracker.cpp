@@ -81,12 +81,20 @@ const TargetEstimate& TargetTracker::track(const Image& image) {
   features_->update(image);
   if (saliency_) {
     saliency_->update(image);
-    if (local_ < 1.0)
-      saliency_->prepare(std::exp(confident_log_scale_) * size_, estimate_.lost ? parameters_.lost_uniform : 0.0);
+    before_ = states_;
   }
-  propose();
-  weigh();
-  set_estimate();
+  look("target_tracker.proposal");
+  if (saliency_ && estimate_.confidence < parameters_.lost && local_ > kLeastLocalShare) {
+    // A jump shows in the saliency of this very frame: look once more, wider.
+    states_ = before_;
+    weights_.make_uniform();
+    local_ = kLeastLocalShare;
+    look("target_tracker.second_look");
+  }
+  if (estimate_.confidence >= parameters_.found) {
+    confident_log_scale_ = std::log(estimate_.box.size.x() / size_.x());
+    appearance_->adapt(*features_, estimate_.box);
+  }
   decide();
   resample();
   return estimate_;
@@ -103,10 +111,18 @@ bool TargetTracker::is_local(std::size_t i, double offset) const {
   return std::floor(at + local_) > std::floor(at);
 }
 
-void TargetTracker::propose() {
+void TargetTracker::look(const char* stream) {
+  if (saliency_ && local_ < 1.0)
+    saliency_->prepare(std::exp(confident_log_scale_) * size_, estimate_.lost ? parameters_.lost_uniform : 0.0);
+  propose(stream_id(stream));
+  weigh();
+  set_estimate();
+}
+
+void TargetTracker::propose(std::uint64_t stream) {
   const double offset = Rng(seed_, stream_id("target_tracker.mixture"), frame_).uniform();
   for (std::size_t i = 0; i < states_.size(); ++i) {
-    Rng rng(seed_, stream_id("target_tracker.proposal"), frame_, static_cast<std::uint32_t>(i));
+    Rng rng(seed_, stream, frame_, static_cast<std::uint32_t>(i));
     const bool updated =
         parameters_.proposal == TargetProposal::kalman || parameters_.proposal == TargetProposal::unscented;
     const TargetDraw draw = updated ? draw_updated(states_[i], rng) : draw_mixed(states_[i], is_local(i, offset), rng);
@@ -202,9 +218,6 @@ void TargetTracker::set_estimate() {
   estimate_.box = box_of(mean);
   estimate_.velocity = mean.segment<2>(2);
   estimate_.confidence = appearance_->compare(*features_, estimate_.box).joint();
-  if (estimate_.confidence < parameters_.found) return;
-  confident_log_scale_ = mean[4];
-  appearance_->adapt(*features_, estimate_.box);
 }
 
 void TargetTracker::decide() {

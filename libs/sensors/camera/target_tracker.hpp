@@ -110,7 +110,8 @@ class TargetTracker {
   void displace(const Vector2& offset);
 
  private:
-  void propose();
+  void look(const char* stream);
+  void propose(std::uint64_t stream);
   [[nodiscard]] bool is_local(std::size_t i, double offset) const;
   [[nodiscard]] TargetDraw draw_mixed(const TargetState& before, bool local, Rng& rng) const;
   [[nodiscard]] TargetDraw draw_updated(const TargetState& before, Rng& rng) const;
@@ -133,7 +134,7 @@ class TargetTracker {
   double local_ = 1.0;
   int doubtful_frames_ = 0;
   double confident_log_scale_ = 0.0;
-  std::vector<TargetState> states_, scratch_;
+  std::vector<TargetState> states_, before_, scratch_;
   std::vector<double> log_ratios_, log_likelihoods_, linear_;
   particle::Weights weights_;
   std::vector<std::uint32_t> counts_, ancestors_;
