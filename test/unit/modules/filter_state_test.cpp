@@ -43,7 +43,7 @@ class FilterStateTest : public ::testing::Test {
   /// \return warnings
   static std::vector<std::string> run(const PipelineParameters& p, int steps = -1) {
     bus::Bus bus("memq://");
-    Pipeline pipeline(bus, p);
+    Pipeline pipeline(bus, p, Threads{});
     while (steps-- != 0 && pipeline.step()) continue;
     pipeline.stop();
     return pipeline.data().warnings;
