@@ -21,7 +21,7 @@ namespace {
 constexpr int kPictureSide = 384;  // of a generated picture [pixels]
 /// Sides [pixels] at which the features of a sign are learnt; in between the levels of the image's pyramid help.
 constexpr std::array<double, 3> kLearntSides{40.0, 66.0, 110.0};
-constexpr int kLearntFeatures = 100;  // of each
+constexpr int kLearntFeatures = 80;  // of each
 constexpr double kLevelStep = 1.2;
 constexpr int kLevels = 7;
 
@@ -211,7 +211,9 @@ class SignDetector final : public LandmarkDetector {
     const auto start = pose_from_corners(camera(), picture, *corners);
     if (!start) return std::nullopt;
     const auto aligned = align_planar(camera(), grey, picture, *start);
-    if (!aligned || aligned->correlation < parameters_.min_correlation) return std::nullopt;
+    if (!aligned || aligned->correlation < parameters_.min_correlation ||
+        aligned->structure > parameters_.max_structure)
+      return std::nullopt;
     auto outline = picture_outline(camera(), picture, aligned->pose);
     if (!outline || !plausible(*outline, parameters_.min_side_px)) return std::nullopt;
     CameraFinding finding{plane_sighting(mounting(), aligned->pose.translation, aligned->covariance),

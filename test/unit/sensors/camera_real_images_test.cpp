@@ -85,7 +85,7 @@ TEST(RealImages, TheBoxIsFoundInItsScene) {
 
 TEST(RealImages, ShowNoSignsAndNoMarkers) {
   REQUIRE_PICTURES();
-  const SignDetectorParameters signs = camera_scene::sign_catalogue(8, 0.3);
+  const SignDetectorParameters signs = camera_scene::sign_catalogue(2, 0.3);
   int pictures = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kPictures)) {
     const std::string extension = entry.path().extension().string();
