@@ -3,11 +3,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <opencv2/aruco.hpp>
+#include <opencv2/core/utility.hpp>
 #include <string>
 
 #include "core/gaussian.hpp"
-#include "models/sign_picture.hpp"
 #include "sensors/camera/make_landmark_detector.hpp"
 #include "statistics/sensors/camera_scene.hpp"
 
@@ -19,7 +18,7 @@ using camera_scene::Exposure;
 using camera_scene::Flat;
 
 constexpr int kSigns = 8;
-constexpr double kWidth = 0.3;
+constexpr double kWidth = 0.3, kMarker = 0.15;
 
 struct View {
   double range = 2.0, angle = 0.0;
@@ -63,23 +62,6 @@ Row run(LandmarkDetector& detector, const View& view, int trials, std::uint64_t 
   return row;
 }
 
-/// The first markers of the family with one cell of white around, printed large.
-std::vector<PlanarPicture> markers(const FiducialParameters& parameters) {
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
-  std::vector<PlanarPicture> pictures;
-  for (int id = 0; id < kSigns; ++id) {
-    constexpr int kTexels = 48;
-    const int cells = dictionary->markerSize + 2;
-    cv::Mat marker;
-    dictionary->drawMarker(id, cells * kTexels, marker);
-    cv::copyMakeBorder(marker, marker, kTexels, kTexels, kTexels, kTexels, cv::BORDER_CONSTANT, cv::Scalar(255));
-    const double side = parameters.side * (cells + 2.0) / cells;
-    pictures.push_back(
-        {{marker.cols, marker.rows, 1, {marker.begin<std::uint8_t>(), marker.end<std::uint8_t>()}}, side, side});
-  }
-  return pictures;
-}
-
 void print(const char* what, const View& v, const Row& r) {
   const double n = std::max(1, r.found);
   std::printf("%s,%.2f,%.0f,%.1f,%.0f,%d,%d,%d,%.3f,%.3f,%.3f,%.3f,%.4f,%.4f,%.4f,%.2f\n", what, v.range,
@@ -99,17 +81,15 @@ int main(int argc, char** argv) {
   const models::CameraIntrinsics camera{.k1 = -0.1, .k2 = 0.02};
   const models::CameraMounting mounting{.position = {0.1, 0.0}, .height = 0.4, .pitch = radians(2.0)};
 
-  SignDetectorParameters signs;
-  std::vector<PlanarPicture> pictures;
+  const SignDetectorParameters signs = camera_scene::sign_catalogue(kSigns, kWidth);
+  const FiducialParameters fiducials{.family = MarkerFamily::aruco_4x4_50, .side = kMarker};
+  std::vector<PlanarPicture> pictures, markers;
   for (int k = 0; k < kSigns; ++k) {
-    SignParameters sign;
-    sign.id = k;
-    sign.picture = static_cast<std::uint64_t>(k);
-    sign.width = kWidth;
-    signs.catalogue.push_back(sign);
-    pictures.push_back({models::sign_picture(sign.picture, 512), kWidth, kWidth});
+    pictures.push_back(camera_scene::printed_sign(k, kWidth));
+    markers.push_back(camera_scene::printed_marker(k, kMarker));
   }
   auto sign_detector = make_landmark_detector(signs, camera, mounting);
+  auto fiducial_detector = make_landmark_detector(fiducials, camera, mounting);
   std::printf(
       "detector,range_m,angle_deg,blur_px,noise,trials,found,wrong,range_bias_mm,range_rmse_mm,range_sd_mm,"
       "bearing_bias_deg,bearing_rmse_deg,bearing_sd_deg,nees,ms\n");
@@ -118,10 +98,6 @@ int main(int argc, char** argv) {
   for (const double angle : {20.0, 40.0, 50.0, 60.0, 70.0}) views.push_back({2.0, radians(angle), {}});
   for (const double blur : {0.0, 1.5, 2.5}) views.push_back({2.0, 0.0, {.blur = blur}});
   for (const double noise : {0.0, 5.0, 10.0, 20.0}) views.push_back({2.0, 0.0, {.noise = noise}});
-  FiducialParameters fiducials;
-  const auto fiducial_pictures = markers(fiducials);
-  auto fiducial_detector = make_landmark_detector(fiducials, camera, mounting);
-  for (const View& view : views)
-    print("fiducial", view, run(*fiducial_detector, view, trials, seed, fiducial_pictures));
+  for (const View& view : views) print("fiducial", view, run(*fiducial_detector, view, trials, seed, markers));
   for (const View& view : views) print("sign", view, run(*sign_detector, view, trials, seed, pictures));
 }

@@ -34,8 +34,22 @@ bool cut_off(std::span<const std::uint8_t> bytes) {
   return std::ranges::search(tail, kEnd).empty();
 }
 
+/// Spoiled bytes may ask for gigabytes: a JPEG's size stands in its first "start of frame".
+bool too_large(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kMostPixels = 64'000'000;
+  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != 0xd8) return false;
+  const auto number = [&](std::size_t i) { return std::size_t{bytes[i]} << 8 | bytes[i + 1]; };
+  for (std::size_t i = 2; i + 9 < bytes.size() && bytes[i] == 0xff;) {
+    const std::uint8_t marker = bytes[i + 1];
+    const bool start_of_frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (start_of_frame) return number(i + 5) * number(i + 7) > kMostPixels;
+    i += 2 + number(i + 2);
+  }
+  return true;  // no size, no picture
+}
+
 bool decode(std::span<const std::uint8_t> bytes, Image& image) {
-  if (bytes.empty() || cut_off(bytes)) return false;
+  if (bytes.empty() || cut_off(bytes) || too_large(bytes)) return false;
   try {
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8U, const_cast<std::uint8_t*>(bytes.data()));
     const cv::Mat decoded = cv::imdecode(raw, cv::IMREAD_ANYCOLOR);

@@ -68,10 +68,14 @@ class Module {
       bus_.publish(channel, convert::to_message(value));
     }
   }
-  /// Publishes a core value under the number it has.
+  /// Publishes a core value, or a message, under the number it has.
   template <class Value>
   void publish_as_numbered(const std::string& channel, const Value& value) {
-    bus_.publish(channel, convert::to_message(value));
+    if constexpr (bus::Message<Value>) {
+      bus_.publish(channel, value);
+    } else {
+      bus_.publish(channel, convert::to_message(value));
+    }
   }
 
   /// Publishes an encoded message as it is.

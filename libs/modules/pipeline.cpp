@@ -28,7 +28,7 @@ std::unique_ptr<Module> make_mapper(bus::Bus& bus, const PipelineParameters& par
 
 Pipeline::Pipeline(bus::Bus& bus, const PipelineParameters& parameters, Threads threads)
     : bus_(bus), parameters_(parameters) {
-  auto [source, world, notes] = make_source(bus, parameters.source, parameters.seed);
+  auto [source, world, notes] = make_source(bus, parameters);
   source_ = std::move(source);
   notes_ = std::move(notes);
   if (parameters.ultrasonic) modules_.push_back(std::make_unique<UltrasonicModule>(bus, *parameters.ultrasonic));

@@ -69,6 +69,7 @@ struct PipelineParameters {
   std::optional<mapping::OccupancyParameters> occupancy;
   bool rawlog = false;
   bool record_images = false;
+  int jpeg_quality = 0;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -86,6 +87,8 @@ struct PipelineParameters {
     v.group("occupancy", &P::occupancy, "absent: no occupancy map");
     v.field("rawlog", &P::rawlog, "write the observations as an MRPT rawlog too");
     v.field("record_images", &P::record_images, "keep the images in the run's log, where they take most of the room");
+    v.field("jpeg_quality", &P::jpeg_quality, unit::one,
+            "of images on the bus, 1 to 100, so that they fit into few datagrams; 0: raw", between(0, 100));
   }
   [[nodiscard]] std::string validate() const {
     if (ultrasonic && !slam) return "ultrasonic: expected the section 'slam' too, which takes its features";

@@ -64,19 +64,20 @@ KnownWorld world_of(const LogParameters& p) {
 
 }  // namespace
 
-SourceAndWorld make_source(bus::Bus& bus, const SourceParameters& parameters, std::uint64_t seed) {
+SourceAndWorld make_source(bus::Bus& bus, const PipelineParameters& pipeline) {
   return std::visit(
       [&]<class P>(const P& p) -> SourceAndWorld {
         if constexpr (std::is_same_v<P, LogParameters>) {
           return {std::make_unique<LogModule>(bus, p.path, p.sightings), world_of(p), {}};
         } else {
-          SourcePointer source = open(p, seed);
+          SourcePointer source = open(p, pipeline.seed);
           KnownWorld world = source->world();
           std::vector<std::string> notes = notes_of(*source);
-          return {std::make_unique<ObservationModule>(bus, std::move(source)), std::move(world), std::move(notes)};
+          return {std::make_unique<ObservationModule>(bus, std::move(source), pipeline.jpeg_quality), std::move(world),
+                  std::move(notes)};
         }
       },
-      parameters);
+      pipeline.source);
 }
 
 KnownWorld known_world(const SourceParameters& parameters) {

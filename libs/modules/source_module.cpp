@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/observation_order.hpp"
+#include "datasets/images.hpp"
 #include "modules/names.hpp"
 #include "noctule/camera_image.hpp"
 #include "noctule/ground_truth.hpp"
@@ -55,8 +56,8 @@ bool SourceModule::step() {
   return true;
 }
 
-ObservationModule::ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source)
-    : SourceModule(bus), source_(std::move(source)) {}
+ObservationModule::ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source, int jpeg_quality)
+    : SourceModule(bus), source_(std::move(source)), jpeg_quality_(jpeg_quality) {}
 
 std::optional<std::int64_t> ObservationModule::next_utime() {
   if (!next_ && !ended_) next_ = source_->next();
@@ -66,8 +67,24 @@ std::optional<std::int64_t> ObservationModule::next_utime() {
 }
 
 void ObservationModule::publish_next() {
-  std::visit([this](const auto& observation) { publish_as_numbered(channel_of(observation), observation); }, *next_);
+  const auto* image = std::get_if<CameraImage>(&*next_);
+  if (image != nullptr && jpeg_quality_ > 0) {
+    publish_as_jpeg(*image);
+  } else {
+    std::visit([this](const auto& observation) { publish_as_numbered(channel_of(observation), observation); }, *next_);
+  }
   next_.reset();
+}
+
+void ObservationModule::publish_as_jpeg(const CameraImage& image) {
+  CameraImage empty{image.stamp, {}};
+  empty.image.width = image.image.width;
+  empty.image.height = image.image.height;
+  camera_image message = convert::to_message(empty);
+  message.encoding = camera_image::ENCODING_JPEG;
+  message.bytes = datasets::encode_jpeg(image.image, jpeg_quality_);
+  message.byte_count = static_cast<std::int32_t>(message.bytes.size());
+  publish_as_numbered(bus::channel::kCameraImage, message);
 }
 
 LogModule::LogModule(bus::Bus& bus, const std::filesystem::path& log, bool sightings)

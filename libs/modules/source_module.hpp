@@ -30,13 +30,16 @@ class SourceModule : public Module {
 /// Publishes a simulator or a data set.
 class ObservationModule : public SourceModule {
  public:
-  ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source);
+  /// \param jpeg_quality of pictures on the bus, from 1 to 100; 0: raw
+  ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source, int jpeg_quality = 0);
   [[nodiscard]] std::optional<std::int64_t> next_utime() override;
 
  private:
   void publish_next() override;
+  void publish_as_jpeg(const CameraImage& image);
 
   std::unique_ptr<ObservationSource> source_;
+  int jpeg_quality_;
   std::optional<Observation> next_;
   bool ended_ = false;
 };

@@ -54,23 +54,24 @@ MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, 
   const std::size_t known = view.maps.size(view.particle);
   const Vector2 heading(std::cos(before.yaw), std::sin(before.yaw));
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
     if (!view.is_known(k, known)) {
-      ++free;
+      log_free += view.log_new(k);
       continue;
     }
     const Sighting& z = view.scan.sightings[k];
     const PointLandmark& m = view.landmark(k);
     const Pose2 base = before * Pose2{q.mean[0], q.mean[1], q.mean[2]};
     const Pose2 sensor = sensor_pose(base, view.scan.sensor_in_base);
-    const Innovation v = innovation<double>(z, sensor, m.x, m.y);
-    const InnovationCovariance at_pose = innovation_covariance<double>(z, v, cross_covariance<double>(m, v));
-    const auto h = by_motion(v, heading, sensor.position() - base.position());
+    const PredictedSighting p(m, z, sensor);
+    const Innovation& v = p.v;
+    const InnovationCovariance& at_pose = p.s;
+    const auto h = by_motion(z, v, heading, sensor.position() - base.position());
     const Eigen::Matrix<double, 3, 2> pht = q.covariance * h.transpose();
     const Matrix2 hph = h * pht;
     const InnovationCovariance s(at_pose.rr + hph(0, 0), at_pose.rb + hph(0, 1), at_pose.bb + hph(1, 1), v);
-    density.multiply(s);
+    density.multiply(s, z);
     if (!(s.distance2 < kInf)) continue;
     Matrix2 inverse, noise;
     inverse << s.bb, -s.rb, -s.rb, s.rr;
@@ -80,7 +81,7 @@ MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, 
     const Matrix3 a = Matrix3::Identity() - gain * h;
     q.covariance = (a * q.covariance * a.transpose() + gain * noise * gain.transpose()).eval();
   }
-  q.fit = density.fit(free, view.log_new_density);
+  q.fit = density.fit(log_free);
   return q;
 }
 

@@ -61,7 +61,7 @@ void LandmarkSlam::update(const LandmarkDetections& detections) {
 void LandmarkSlam::observe(const Stamp& stamp) {
   points_.make_writable();
   for_particles([this](std::size_t begin, std::size_t end) { take_in(begin, end); });
-  points_.live();
+  points_.live(particles_.poses(), particles_.best(), fits_);
   motion_ = {};
   particles_.weigh(fits_);
   particles_.record(stamp, fits_);
@@ -72,6 +72,16 @@ std::span<const std::uint32_t> LandmarkSlam::resample() {
   const auto ancestors = particles_.resample();
   if (!ancestors.empty()) points_.resample(ancestors);
   return ancestors;
+}
+
+void LandmarkSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  particles_.spread(poses);
+  points_.begin_on(point_landmarks(map), next_id_);
+}
+
+void LandmarkSlam::transfer(StateArchive& archive) {
+  archive(particles_, points_, motion_, next_id_, last_detections_);
+  if (particles_.poses().size() != fits_.size()) throw InputError("state: expected that of as many particles");
 }
 
 LandmarkMap LandmarkSlam::map() const {

@@ -10,12 +10,13 @@
 
 namespace noctule::filters {
 
-/// Sum of log N(v; 0, S) of independent innovations of two numbers; takes one logarithm for many.
+/// Sum of log N(v; 0, S) of independent innovations; takes one logarithm for many.
 class LogDensity {
  public:
-  void multiply(const InnovationCovariance& s) { multiply(s.distance2, s.determinant); }
-  void multiply(double distance2, double determinant) {
-    ++count_;
+  void multiply(const InnovationCovariance& s, const Sighting& z) { multiply(s.distance2, s.determinant, z.numbers()); }
+  /// \param numbers of the innovation
+  void multiply(double distance2, double determinant, int numbers = 2) {
+    numbers_ += numbers;
     distance2_ += distance2;
     determinant_ *= distance2 < kInf ? determinant : 1.0;
     if (determinant_ < 1e-150 || determinant_ > 1e150) {
@@ -23,26 +24,23 @@ class LogDensity {
       determinant_ = 1.0;
     }
   }
-  /// The fit of these innovations and of `free` sightings that found no landmark.
-  [[nodiscard]] ObservationFit fit(int free, double log_new_density) const {
-    const double log_determinant = log_determinant_ + (count_ > 0 ? std::log(determinant_) : 0.0);
-    return {-0.5 * (distance2_ + log_determinant) - count_ * std::log(kTwoPi) + free * log_new_density, distance2_,
-            2 * count_};
+  /// The fit of these innovations and of sightings that found no landmark, of log density `log_free`.
+  [[nodiscard]] ObservationFit fit(double log_free) const {
+    const double log_determinant = log_determinant_ + (numbers_ > 0 ? std::log(determinant_) : 0.0);
+    return {-0.5 * (distance2_ + log_determinant + numbers_ * std::log(kTwoPi)) + log_free, distance2_, numbers_};
   }
 
  private:
-  int count_ = 0;
+  int numbers_ = 0;
   double distance2_ = 0.0, determinant_ = 1.0, log_determinant_ = 0.0;
 };
 
 /// Landmarks by extended Kalman filters.
 struct KalmanUpdate {
   static void update(PointLandmark& m, const Sighting& z, const Pose2& sensor, LogDensity& density) {
-    const Innovation v = innovation<double>(z, sensor, m.x, m.y);
-    const auto c = cross_covariance<double>(m, v);
-    const InnovationCovariance s = innovation_covariance<double>(z, v, c);
-    density.multiply(s.distance2, s.determinant);
-    filters::take_in(m, v, c, s);
+    const PredictedSighting p(m, z, sensor);
+    density.multiply(p.s, z);
+    filters::take_in(m, p.v, p.c, p.s);
   }
   /// Two different landmarks at a time.
   static void update(PointLandmark& a, PointLandmark& b, const Sighting& za, const Sighting& zb, const Pose2& sensor,
@@ -75,22 +73,23 @@ ObservationFit update_map(const ParticleView& view, const Pose2& pose, const Upd
   const Pose2 sensor = sensor_pose(pose, view.scan.sensor_in_base);
   const auto& sightings = view.scan.sightings;
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
     const std::size_t size = view.maps.size(view.particle);
-    if (view.slots[k] == kDropped) {
-      ++free;
+    if (view.slots[k] < 0) {
+      log_free += view.log_new(k);
       continue;
     }
     const auto slot = static_cast<std::size_t>(view.slots[k]);
     if (slot >= size) {
       view.maps.append(view.particle, update.start(sightings[k], sensor));
-      ++free;
+      log_free += view.log_new(k);
       continue;
     }
     PointLandmark& m = view.maps.writable(view.particle, slot);
     if constexpr (in_pairs) {
-      if (k + 1 < view.slots.size() && view.is_known(k + 1, size) && view.slots[k + 1] != view.slots[k]) {
+      if (k + 1 < view.slots.size() && view.is_known(k + 1, size) && view.slots[k + 1] != view.slots[k] &&
+          sightings[k].is_whole() && sightings[k + 1].is_whole()) {
         PointLandmark& next = view.maps.writable(view.particle, static_cast<std::size_t>(view.slots[k + 1]));
         update.update(m, next, sightings[k], sightings[k + 1], sensor, density);
         ++k;
@@ -99,7 +98,7 @@ ObservationFit update_map(const ParticleView& view, const Pose2& pose, const Upd
     }
     update.update(m, sightings[k], sensor, density);
   }
-  return density.fit(free, view.log_new_density);
+  return density.fit(log_free);
 }
 
 /// Gaussian of a particle's motion, in the frame of its pose before, and how well it explains the scan.

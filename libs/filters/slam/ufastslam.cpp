@@ -14,6 +14,15 @@ struct Spread {
   std::array<double, 2 * Columns> range, bearing;
 };
 
+/// What a sighting does not measure is predicted as it came out.
+template <int Columns>
+void leave_out(const Sighting& z, Innovation& v, Spread<Columns>& s) {
+  if (z.is_whole()) return;
+  const bool no_range = z.kind == DetectionKind::bearing_only;
+  (no_range ? v.range : v.bearing) = 0.0;
+  (no_range ? s.range : s.bearing).fill(0.0);
+}
+
 /// Offsets of the points `dx, dy` (from the sensor to the landmark) from the centre's.
 template <int Columns>
 Spread<Columns> offsets(double cx, double cy, double centre_range, const std::array<double, 2 * Columns>& dx,
@@ -87,6 +96,7 @@ struct UnscentedUpdate {
     const double ax = w.spread * p.root.xx, ay = w.spread * p.root.yx, by = w.spread * p.root.yy;
     p.spread =
         offsets<2>(cx, cy, z.range - p.v.range, {cx + ax, cx - ax, cx, cx}, {cy + ay, cy - ay, cy + by, cy - by});
+    leave_out(z, p.v, p.spread);
     p.moments = moments(p.spread.range, p.spread.bearing, w);
     return p;
   }
@@ -97,7 +107,7 @@ struct UnscentedUpdate {
     v.range -= p.moments.range;
     v.bearing = wrap(v.bearing - p.moments.bearing);
     const InnovationCovariance s(p.moments.rr + z.rr, p.moments.rb + z.rb, p.moments.bb + z.bb, v);
-    density.multiply(s);
+    density.multiply(s, z);
     const double a = w.other * w.spread * p.root.xx, b = w.other * w.spread * p.root.yx,
                  c = w.other * w.spread * p.root.yy;
     const double first_r = p.spread.range[0] - p.spread.range[1], second_r = p.spread.range[2] - p.spread.range[3];
@@ -137,10 +147,10 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
   const bool off_centre = mount.x != 0.0 || mount.y != 0.0;
   const double cosine = std::cos(before.yaw), sine = std::sin(before.yaw);
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
     if (!view.is_known(k, known)) {
-      ++free;
+      log_free += view.log_new(k);
       continue;
     }
     const Sighting& z = view.scan.sightings[k];
@@ -176,15 +186,16 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
     Innovation v = innovation<double>(z, sensor, m.x, m.y);
     Spread<5> spread = offsets<5>(cx, cy, z.range - v.range, dx, dy);
     for (std::size_t i = 0; i < 6; ++i) spread.bearing[i] -= turn[i];
+    leave_out(z, v, spread);
     const Moments s = moments(spread.range, spread.bearing, w);
     v.range -= s.range;
     v.bearing = wrap(v.bearing - s.bearing);
     const InnovationCovariance gain_s(s.rr + z.rr, s.rb + z.rb, s.bb + z.bb, v);
     if (erb) {
-      density.multiply(gain_s);
+      density.multiply(gain_s, z);
     } else {  // eq. 24, 25: the weight knows what the proposal does not
       const Moments l = landmark_update.predict(m, z, sensor).moments;
-      density.multiply({gain_s.rr + l.rr, gain_s.rb + l.rb, gain_s.bb + l.bb, v});
+      density.multiply({gain_s.rr + l.rr, gain_s.rb + l.rb, gain_s.bb + l.bb, v}, z);
     }
     if (!(gain_s.distance2 < kInf)) continue;
 
@@ -201,7 +212,7 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
     q.covariance -= gain * cross.transpose();
     symmetrise(q.covariance);
   }
-  q.fit = density.fit(free, view.log_new_density);
+  q.fit = density.fit(log_free);
   return q;
 }
 

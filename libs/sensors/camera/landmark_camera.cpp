@@ -1,6 +1,7 @@
 #include "sensors/camera/landmark_camera.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/check.hpp"
 
@@ -22,7 +23,7 @@ std::string LandmarkCameraParameters::validate() const {
 }
 
 LandmarkCamera::LandmarkCamera(const LandmarkCameraParameters& parameters, const PictureReader& read_picture)
-    : sensor_in_base_(sound(parameters).mounting->sensor_in_base()) {
+    : parameters_(sound(parameters)) {
   for (const DetectorEntry& entry : parameters.detectors) {
     detectors_.push_back(
         make_landmark_detector(entry.find, *parameters.intrinsics, *parameters.mounting, read_picture));
@@ -30,7 +31,7 @@ LandmarkCamera::LandmarkCamera(const LandmarkCameraParameters& parameters, const
 }
 
 LandmarkDetections LandmarkCamera::detect(const CameraImage& image) {
-  LandmarkDetections all{image.stamp, sensor_in_base_, {}};
+  LandmarkDetections all{image.stamp, parameters_.mounting->sensor_in_base(), {}};
   outlines_.clear();
   for (const auto& detector : detectors_) {
     const LandmarkDetections found = detector->detect(image);
@@ -39,6 +40,9 @@ LandmarkDetections LandmarkCamera::detect(const CameraImage& image) {
       if (d.id >= 0 && std::ranges::find(all.detections, d.id, &LandmarkDetection::id) != all.detections.end())
         continue;
       all.detections.push_back(d);
+      Matrix2& covariance = all.detections.back().covariance;
+      if (d.kind != DetectionKind::bearing_only) covariance(0, 0) += std::pow(parameters_.range_error * d.range, 2);
+      if (d.kind != DetectionKind::range_only) covariance(1, 1) += std::pow(parameters_.bearing_error, 2);
       outlines_.push_back(detector->outlines()[i]);
     }
   }

@@ -22,6 +22,8 @@ struct DetectorEntry {
 struct LandmarkCameraParameters {
   std::optional<models::CameraIntrinsics> intrinsics;
   std::optional<models::CameraMounting> mounting;
+  double bearing_error = radians(0.1);
+  double range_error = 0.005;
   std::vector<DetectorEntry> detectors;
 
   template <class Visitor>
@@ -29,6 +31,9 @@ struct LandmarkCameraParameters {
     using P = LandmarkCameraParameters;
     v.group("intrinsics", &P::intrinsics, "the calibration of the camera");
     v.group("mounting", &P::mounting, "where it sits on the robot");
+    v.field("bearing_error_deg", &P::bearing_error, unit::degree,
+            "standard deviation of what calibration and mounting leave in every bearing", at_least(0.0));
+    v.field("range_error", &P::range_error, unit::one, "the same of every range, as a fraction of it", at_least(0.0));
     v.list("detectors", &P::detectors, "what is looked for in each picture");
   }
   [[nodiscard]] std::string validate() const;
@@ -41,14 +46,15 @@ class LandmarkCamera {
   /// \throws InputError on parameters that make no detector
   explicit LandmarkCamera(const LandmarkCameraParameters& parameters, const PictureReader& read_picture = {});
 
-  /// What the detectors see, in their order; an identity that two of them see counts once.
+  /// What the detectors see, in their order; an identity that two of them see counts once. Their covariances are those
+  /// of the pixel noise; the errors of calibration and mounting are added.
   /// \throws InputError unless the picture is whole and of the size that the camera is calibrated for
   [[nodiscard]] LandmarkDetections detect(const CameraImage& image);
   /// Of the detections of the last detect(), in their order.
   [[nodiscard]] const std::vector<PixelOutline>& outlines() const { return outlines_; }
 
  private:
-  Pose2 sensor_in_base_;
+  LandmarkCameraParameters parameters_;
   std::vector<std::unique_ptr<LandmarkDetector>> detectors_;
   std::vector<PixelOutline> outlines_;
 };

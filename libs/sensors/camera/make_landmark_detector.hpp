@@ -7,15 +7,18 @@
 #include <vector>
 
 #include "sensors/camera/fiducials.hpp"
+#include "sensors/camera/keypoints.hpp"
+#include "sensors/camera/posts.hpp"
 #include "sensors/camera/signs.hpp"
 
 namespace noctule::sensors {
 
 /// Which detector, and with which parameters; in files told apart by the key `type`.
-using LandmarkDetectorParameters = std::variant<SignDetectorParameters, FiducialParameters>;
+using LandmarkDetectorParameters =
+    std::variant<SignDetectorParameters, FiducialParameters, PostDetectorParameters, KeypointParameters>;
 
 /// Names of the alternatives, in their order.
-inline const std::vector<std::string> kLandmarkDetectorNames{"signs", "fiducials"};
+inline const std::vector<std::string> kLandmarkDetectorNames{"signs", "fiducials", "posts", "keypoints"};
 
 /// \param read_picture for signs whose picture is a file
 /// \throws InputError on parameters that make no detector

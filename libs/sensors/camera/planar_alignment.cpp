@@ -2,10 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "sensors/camera/opencv.hpp"
@@ -22,7 +20,9 @@ constexpr double kAmbiguous = 60.0;    // side of a picture below which its mirr
 constexpr int kUnknowns = 9;           // three of place, three of rotation, brightness, contrast, blur
 constexpr std::array<double, 5> kBlurs{0.4, 0.7, 1.1, 1.7, 2.6};  // sd in blocks that are tried
 
-constexpr double kCornerFloor = 0.05;  // pixels
+constexpr double kStructure = 0.02;      // share of the picture's variance left over in shapes, not noise: suspicious
+constexpr double kTilt = radians(30.0);  // of other starts then
+constexpr double kCornerFloor = 0.05;    // pixels
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
@@ -128,22 +128,54 @@ double huber(double squared_ratio) {
   return squared_ratio <= kElbow * kElbow ? 1.0 : kElbow / std::sqrt(squared_ratio);
 }
 
-/// The rotation with the normal mirrored at the line of sight: the second pose that looks the same under weak
-/// perspective.
-Matrix3 mirrored_tilt(const PlanarPose& pose) {
+/// The pose with the normal mirrored at the line of sight: the second one that looks the same under weak perspective.
+PlanarPose mirrored_tilt(const PlanarPose& pose) {
   const Vector3 sight = pose.translation.normalized(), normal = pose.rotation.col(2);
   const Vector3 mirrored = 2.0 * sight.dot(normal) * sight - normal;
-  // Weak perspective keeps the picture's outline if the turn about the line of sight is shared between both normals.
-  return Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix() * pose.rotation;
+  return {Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix() * pose.rotation, pose.translation};
 }
 
 class Aligner {
  public:
-  Aligner(const Patch& patch, const PlanarPicture& picture, const models::CameraIntrinsics& camera)
-      : patch_(patch), picture_(picture), camera_(camera) {}
+  /// \param size of the picture in the patch [blocks]
+  Aligner(const Patch& patch, const PlanarPicture& picture, const models::CameraIntrinsics& camera, const Vector2& size)
+      : patch_(patch), picture_(picture), camera_(camera), size_(size) {}
 
+  /// \param both whether to start from the mirrored tilt too: a small picture tilted one way looks nearly as tilted the
+  ///        other way
+  std::optional<PlanarAlignment> from(const PlanarPose& start, bool both) {
+    State state{start, 0.0, 1.0};
+    constexpr double kFirstBlur = 1.6;
+    draw(kFirstBlur);
+    State other{mirrored_tilt(start), 0.0, 1.0};
+    const bool settled = settle(state);
+    if (both && settle(other) && (!settled || mean_square(other) < mean_square(state))) {
+      state = other;
+    } else if (!settled) {
+      return std::nullopt;
+    }
+
+    double best = 0.0, blur = 0.0;
+    for (const double candidate : kBlurs) {
+      draw(candidate);
+      State toned = state;
+      if (!tone(toned)) continue;
+      const double left = mean_square(toned);
+      if (blur > 0.0 && left >= best) break;
+      best = left;
+      blur = candidate;
+    }
+    draw(blur);
+    if (!(blur > 0.0) || !settle(state)) return std::nullopt;
+    auto result = judge(state);
+    if (result) result->blur_px = blur;
+    return result;
+  }
+
+ private:
   /// The picture at the size that it has in the patch, blurred.
-  void draw(double columns, double rows, double blur) {
+  void draw(double blur) {
+    const double columns = size_.x(), rows = size_.y();
     drawing_.width = picture_.width;
     drawing_.height = picture_.height;
     const cv::Size size(std::max(8, static_cast<int>(std::lround(columns * kOversampling))),
@@ -234,14 +266,16 @@ class Aligner {
     return cost;
   }
 
-  bool descend(State& state, int steps) const {
+  bool settle(State& state) { return choose(state) && tone(state) && descend(state); }
+
+  bool descend(State& state) const {
     double scale = std::max(1.0, std::sqrt(mean_square(state)));
     Information a;
     Unknowns b;
     double damping = 1e-4;
     double cost = equations(state, scale, a, b);
     const double distance = state.pose.translation.norm();
-    for (int step = 0; step < steps; ++step) {
+    for (int step = 0; step < kSteps; ++step) {
       Information damped = a;
       damped.diagonal() *= 1.0 + damping;
       const Unknowns delta = damped.ldlt().solve(b);
@@ -282,19 +316,22 @@ class Aligner {
     constexpr double kLeastContrast = 3.0;  // grey levels
     if (!(spread > n * kLeastContrast * kLeastContrast)) return std::nullopt;
 
-    PlanarAlignment result{state.pose, Matrix3::Zero(), 0.0, 0.0, 0.0, static_cast<int>(blocks_.size())};
+    PlanarAlignment result;
+    result.pose = state.pose;
+    result.pixels = static_cast<int>(blocks_.size());
     result.correlation = std::sqrt(std::max(0.0, 1.0 - left / spread));
     // Rounding to whole grey levels is noise too.
     result.noise = std::sqrt(std::max(left / (n - kUnknowns), 1.0 / 12.0));
 
+    const Together together = go_together(residuals);
+    result.structure = together.share * left / spread;
     Information a;
     Unknowns b;
     equations(state, result.noise, a, b);
     const Information inverse = a.ldlt().solve(Information::Identity());
     const auto floor = corner_covariance(state.pose);
     if (!floor) return std::nullopt;
-    const Matrix6 own =
-        inverse.topLeftCorner<6, 6>() * (result.noise * result.noise * correlation_cost(residuals)) + *floor;
+    const Matrix6 own = inverse.topLeftCorner<6, 6>() * (result.noise * result.noise * together.cost) + *floor;
     result.covariance = state.pose.rotation * own.topLeftCorner<3, 3>() * state.pose.rotation.transpose();
     // A tilt t shortens one side by t^2 / 2, which the size, and so the distance, takes up by half: what is unknown of
     // that at second order, Var(t^2 / 4), no Jacobian shows where the picture is seen from the front.
@@ -304,7 +341,6 @@ class Aligner {
     return result;
   }
 
- private:
   /// Covariance of shift and turn if each corner were known to kCornerFloor alone: what drawing by interpolation, the
   /// shape of the blur and the rounding of grey levels leave wrong however many pixels there are.
   [[nodiscard]] std::optional<Matrix6> corner_covariance(const PlanarPose& pose) const {
@@ -321,9 +357,13 @@ class Aligner {
     return information.ldlt().solve(Matrix6::Identity());
   }
 
+  struct Together {
+    double share = 0.0;  // correlation of neighbouring residuals
+    double cost = 1.0;   // factor of the covariance
+  };
   /// Neighbouring residuals that go together carry less than their number says: (1 + c) / (1 - c) for each direction
   /// of an autoregressive field of order one.
-  [[nodiscard]] double correlation_cost(const std::vector<double>& residuals) const {
+  [[nodiscard]] Together go_together(const std::vector<double>& residuals) const {
     cv::Mat grid(patch_.blocks.rows, patch_.blocks.cols, CV_32S, cv::Scalar(-1));
     for (std::size_t i = 0; i < blocks_.size(); ++i)
       grid.at<int>(blocks_[i].row, blocks_[i].column) = static_cast<int>(i);
@@ -342,16 +382,17 @@ class Aligner {
       }
     }
     own /= static_cast<double>(blocks_.size());
-    const auto cost = [&](double sum, int pairs) {
-      const double c = pairs > 0 && own > 0.0 ? std::clamp(sum / pairs / own, 0.0, 0.9) : 0.0;
-      return (1.0 + c) / (1.0 - c);
+    const auto share = [&](double sum, int pairs) {
+      return pairs > 0 && own > 0.0 ? std::clamp(sum / pairs / own, 0.0, 0.9) : 0.0;
     };
-    return cost(across, pairs_across) * cost(down, pairs_down);
+    const double c = share(across, pairs_across), d = share(down, pairs_down);
+    return {std::max(c, d), (1.0 + c) / (1.0 - c) * (1.0 + d) / (1.0 - d)};
   }
 
   const Patch& patch_;
   const PlanarPicture& picture_;
   const models::CameraIntrinsics& camera_;
+  Vector2 size_;
   cv::Mat plain_;
   Drawing drawing_;
   std::vector<Block> all_;     // of the patch
@@ -359,50 +400,6 @@ class Aligner {
 };
 
 }  // namespace
-
-std::array<Vector3, 4> PlanarPicture::corners() const {
-  const double x = 0.5 * width, y = 0.5 * height;
-  return {Vector3(-x, -y, 0.0), Vector3(x, -y, 0.0), Vector3(x, y, 0.0), Vector3(-x, y, 0.0)};
-}
-
-std::optional<std::vector<Vector2>> picture_outline(const models::CameraIntrinsics& camera,
-                                                    const PlanarPicture& picture, const PlanarPose& pose) {
-  std::vector<Vector2> outline;
-  for (const Vector3& corner : picture.corners()) {
-    const auto p = models::project(camera, pose.rotation * corner + pose.translation);
-    if (!p) return std::nullopt;
-    outline.push_back(p->pixel);
-  }
-  return outline;
-}
-
-std::optional<PlanarPose> pose_from_corners(const models::CameraIntrinsics& camera, const PlanarPicture& picture,
-                                            const std::vector<Vector2>& corners) {
-  std::vector<cv::Point2d> rays;
-  std::vector<cv::Point3d> points;
-  const auto known = picture.corners();
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto ray = models::unproject(camera, corners[i]);
-    if (!ray) return std::nullopt;
-    rays.emplace_back(ray->direction.x(), ray->direction.y());
-    points.emplace_back(known[i].x(), known[i].y(), 0.0);
-  }
-  cv::Vec3d turn, shift;
-  if (!cv::solvePnP(points, rays, cv::Matx33d::eye(), cv::noArray(), turn, shift, false, cv::SOLVEPNP_IPPE))
-    return std::nullopt;
-  cv::Matx33d rotation;
-  cv::Rodrigues(turn, rotation);
-  PlanarPose pose;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) pose.rotation(i, j) = rotation(i, j);
-    pose.translation[i] = shift[i];
-  }
-  // The front must be seen.
-  const bool front = pose.rotation.col(2).dot(pose.translation) > 0.0;
-  if (!pose.rotation.allFinite() || !pose.translation.allFinite() || pose.translation.z() <= 0.0 || !front)
-    return std::nullopt;
-  return pose;
-}
 
 std::optional<PlanarAlignment> align_planar(const models::CameraIntrinsics& camera, const Image& grey,
                                             const PlanarPicture& picture, const PlanarPose& start) {
@@ -429,37 +426,18 @@ std::optional<PlanarAlignment> align_planar(const models::CameraIntrinsics& came
   as_mat(grey)(region).convertTo(whole, CV_32F);
   cv::resize(whole, patch.blocks, blocks, 0.0, 0.0, cv::INTER_AREA);
 
-  Aligner aligner(patch, picture, camera);
-  State state{start, 0.0, 1.0};
-  const double drawn_columns = columns / patch.factor, drawn_rows = rows / patch.factor;
-  constexpr double kFirstBlur = 1.6;
-  aligner.draw(drawn_columns, drawn_rows, kFirstBlur);
-  const auto settle = [&](State& s) { return aligner.choose(s) && aligner.tone(s) && aligner.descend(s, kSteps); };
-  // A small picture tilted one way looks nearly as tilted the other way: both are tried.
-  State other = state;
-  other.pose.rotation = mirrored_tilt(start);
-  const bool settled = settle(state);
+  Aligner aligner(patch, picture, camera, {columns / patch.factor, rows / patch.factor});
   const bool small = columns * rows < kAmbiguous * kAmbiguous;
-  if (small && settle(other) && (!settled || aligner.mean_square(other) < aligner.mean_square(state))) {
-    state = other;
-  } else if (!settled) {
-    return std::nullopt;
+  auto result = aligner.from(start, small);
+  // What is left over goes together from pixel to pixel: the descent ended beside the truth. Others may not.
+  for (int k = 0; k < 4 && (!result || result->structure > kStructure); ++k) {
+    const Vector3 axis = k / 2 == 0 ? Vector3::UnitX() : Vector3::UnitY();
+    PlanarPose tilted = start;
+    tilted.rotation = start.rotation * Eigen::AngleAxisd(k % 2 == 0 ? kTilt : -kTilt, axis).toRotationMatrix();
+    const auto next = aligner.from(tilted, false);
+    if (next && (!result || next->correlation > result->correlation)) result = next;
   }
-
-  double best = 0.0, blur = 0.0;
-  for (const double candidate : kBlurs) {
-    aligner.draw(drawn_columns, drawn_rows, candidate);
-    State toned = state;
-    if (!aligner.tone(toned)) continue;
-    const double left = aligner.mean_square(toned);
-    if (blur > 0.0 && left >= best) break;
-    best = left;
-    blur = candidate;
-  }
-  aligner.draw(drawn_columns, drawn_rows, blur);
-  if (!settle(state)) return std::nullopt;
-  auto result = aligner.judge(state);
-  if (result) result->blur_px = blur * patch.factor;
+  if (result) result->blur_px *= patch.factor;
   return result;
 }
 

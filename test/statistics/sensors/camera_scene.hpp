@@ -2,6 +2,7 @@
 /// Flat pictures before a camera, drawn ray by ray: an oracle with a lens, blur, noise and light, that shares nothing
 /// with the detectors but the model of the lens.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -9,8 +10,11 @@
 #include "core/image.hpp"
 #include "core/rng.hpp"
 #include "models/camera.hpp"
+#include "models/fiducial.hpp"
+#include "models/sign_picture.hpp"
 #include "sensors/camera/landmark_detector.hpp"
-#include "sensors/camera/planar_alignment.hpp"
+#include "sensors/camera/planar_picture.hpp"
+#include "sensors/camera/signs.hpp"
 
 namespace noctule::camera_scene {
 
@@ -100,7 +104,11 @@ inline void draw(const models::CameraIntrinsics& camera, const Flat& flat, std::
       double& g = grey[static_cast<std::size_t>(y * camera.width + x)];
       double sum = 0.0;
       for (int k = 0; k < kRays * kRays; ++k) {
-        const Vector2 off((k % kRays + 0.5) / kRays - 0.5, (k / kRays + 0.5) / kRays - 0.5);
+        // Rays at random within their cells: else edges along the rows would all be off by the same.
+        const std::uint64_t bits = splitmix64(static_cast<std::uint64_t>((y * camera.width + x) * kRays * kRays + k));
+        const double a = static_cast<double>(bits & 0xffffU) / 65536.0;
+        const double b = static_cast<double>((bits >> 16) & 0xffffU) / 65536.0;
+        const Vector2 off((k % kRays + a) / kRays - 0.5, (k / kRays + b) / kRays - 0.5);
         const Vector3 e = back * Vector2(middle->direction + middle->by_pixel * off).homogeneous();
         const Vector2 p = eye.head<2>() - e.head<2>() * (eye.z() / e.z());
         const double u = (p.x() / flat.picture.width + 0.5) * texture.width;
@@ -113,6 +121,57 @@ inline void draw(const models::CameraIntrinsics& camera, const Flat& flat, std::
       g = sum / (kRays * kRays);
     }
   }
+}
+
+/// An upright cylinder on the floor.
+struct Column {
+  double range = 2.0, bearing = 0.0, radius = 0.05, height = 0.5;
+  std::vector<double> colour{200.0, 40.0, 40.0};  ///< red, green, blue
+};
+
+/// A column before clutter in colour, 5 x 5 rays a pixel, darker towards its sides.
+inline Image photograph(const models::CameraIntrinsics& camera, const models::CameraMounting& mounting,
+                        const Column& column, const Exposure& exposure, Rng& rng) {
+  const std::vector<double> behind = background(camera.width, camera.height, rng);
+  std::array<std::vector<double>, 3> planes{behind, behind, behind};
+  const Matrix3 in_base = mounting.optical_in_base().linear();
+  const double direction = mounting.yaw + column.bearing;
+  const Vector2 axis = column.range * Vector2(std::cos(direction), std::sin(direction));
+  constexpr int kRays = 5;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const auto middle = models::unproject(camera, Vector2(x, y));
+      if (!middle) continue;
+      int hits = 0;
+      double light = 0.0;
+      for (int k = 0; k < kRays * kRays; ++k) {
+        const Vector2 off((k % kRays + 0.5) / kRays - 0.5, (k / kRays + 0.5) / kRays - 0.5);
+        const Vector3 d = in_base * Vector2(middle->direction + middle->by_pixel * off).homogeneous();
+        const double a = d.head<2>().squaredNorm(), b = d.head<2>().dot(axis);
+        const double c = axis.squaredNorm() - column.radius * column.radius;
+        const double root = b * b - a * c;
+        if (root < 0.0) continue;
+        const double t = (b - std::sqrt(root)) / a;
+        const double z = mounting.height + t * d.z();
+        if (t <= 0.0 || z < 0.0 || z > column.height) continue;
+        ++hits;
+        light += 0.6 + 0.4 * std::sqrt(root) / (column.radius * std::sqrt(a));
+      }
+      const auto i = static_cast<std::size_t>(y * camera.width + x);
+      for (std::size_t p = 0; p < 3; ++p)
+        planes[p][i] += (light * column.colour[2 - p] - hits * planes[p][i]) / (kRays * kRays);
+    }
+  }
+  Image image{camera.width, camera.height, 3, std::vector<std::uint8_t>(3 * behind.size())};
+  for (std::size_t p = 0; p < 3; ++p) {
+    for (const bool down : {false, true})
+      if (exposure.blur > 0.0) blur_rows(planes[p], camera.width, camera.height, exposure.blur, down);
+    for (std::size_t i = 0; i < behind.size(); ++i) {
+      const double seen = exposure.offset + exposure.gain * planes[p][i] + exposure.noise * rng.normal();
+      image.pixels[3 * i + p] = static_cast<std::uint8_t>(std::clamp(std::lround(seen), 0L, 255L));
+    }
+  }
+  return image;
 }
 
 inline Image photograph(const models::CameraIntrinsics& camera, std::span<const Flat> flats, const Exposure& exposure,
@@ -130,6 +189,30 @@ inline Image photograph(const models::CameraIntrinsics& camera, std::span<const 
     image.pixels.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(seen), 0L, 255L)));
   }
   return image;
+}
+
+/// Catalogue of generated signs 0, 1 ... of one width, and what they look like printed large.
+inline sensors::SignDetectorParameters sign_catalogue(int signs, double width) {
+  sensors::SignDetectorParameters parameters;
+  for (int k = 0; k < signs; ++k) {
+    sensors::SignParameters sign;
+    sign.id = k;
+    sign.picture = static_cast<std::uint64_t>(k);
+    sign.width = width;
+    parameters.catalogue.push_back(sign);
+  }
+  return parameters;
+}
+inline sensors::PlanarPicture printed_sign(int number, double width) {
+  return {models::sign_picture(static_cast<std::uint64_t>(number), 512), width, width};
+}
+
+/// A marker of the dictionary 4x4_50 with one cell of white around.
+inline sensors::PlanarPicture printed_marker(int marker, double side) {
+  constexpr int kTexels = 48;
+  const double cells = models::kFiducialCells;
+  const double whole = side * (cells + 2.0 * models::kFiducialMargin) / cells;
+  return {models::fiducial_picture(marker, kTexels), whole, whole};
 }
 
 }  // namespace noctule::camera_scene
