@@ -211,8 +211,11 @@ class SignDetector final : public LandmarkDetector {
     const auto start = pose_from_corners(camera(), picture, *corners);
     if (!start) return std::nullopt;
     const auto aligned = align_planar(camera(), grey, picture, *start);
-    if (!aligned || aligned->correlation < parameters_.min_correlation ||
-        aligned->structure > parameters_.max_structure)
+    if (!aligned || aligned->correlation < parameters_.min_correlation) return std::nullopt;
+    // Few matches say little: then the pixels must say it all.
+    const bool many = set.size() >= static_cast<std::size_t>(parameters_.min_homography);
+    constexpr double kStructureOfFew = 0.08;
+    if (aligned->structure > (many ? parameters_.max_structure : std::min(kStructureOfFew, parameters_.max_structure)))
       return std::nullopt;
     auto outline = picture_outline(camera(), picture, aligned->pose);
     if (!outline || !plausible(*outline, parameters_.min_side_px)) return std::nullopt;
