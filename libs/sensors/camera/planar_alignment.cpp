@@ -166,8 +166,9 @@ class Aligner {
       best = left;
       blur = candidate;
     }
+    if (!(blur > 0.0)) return std::nullopt;
     draw(blur);
-    if (!(blur > 0.0) || !settle(state)) return std::nullopt;
+    if (!settle(state)) return std::nullopt;
     auto result = judge(state);
     if (result) result->blur_px = blur;
     return result;
