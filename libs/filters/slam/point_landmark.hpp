@@ -53,10 +53,18 @@ struct RangeBearing {
   T rr{}, rb{}, bb{};
 };
 
-/// One sighting of a message, as the particles take it in.
+/// Inverse of the lower triangular root of a covariance of (range, bearing): what it makes of residuals has covariance
+/// I.
+struct Whitening {
+  double rr = 1.0, br = 0.0, bb = 1.0;
+};
+
+/// One sighting of a message, as the particles take it in. Where the noise is learned its covariance is what the filter
+/// believes, else what the sensor states.
 struct Sighting : RangeBearing<double> {
   std::int64_t id = -1;     ///< of the landmark, or -1
   std::int64_t new_id = 0;  ///< of the landmark that it may start
+  Whitening stated;         ///< by the covariance that the sensor states; set where the noise is learned
 };
 
 /// Innovation of a sighting of a landmark, with what its covariance is made of.

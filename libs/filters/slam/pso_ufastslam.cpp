@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/chi2.hpp"
+#include "core/error.hpp"
 #include "core/log_weights.hpp"
 #include "filters/slam/ufastslam.hpp"
 
@@ -13,7 +14,11 @@ PsoUFastSlam::PsoUFastSlam(const PsoUFastSlamParameters& parameters, std::uint64
       when_(parameters.when),
       swarm_(parameters.swarm),
       members_(particles_.size()),
-      log_weights_(particles_.size()) {}
+      log_weights_(particles_.size()) {
+  if (parameters.optimise != Optimisation::none) {
+    throw InputError("PSO-UFastSLAM: optimise: expected none, got apf: the swarm moves the particles already");
+  }
+}
 
 /// Proposal, weights, resampling, swarm, weights, landmarks: in this order, so that the scan enters each once.
 void PsoUFastSlam::observe(const Stamp& stamp) {
@@ -28,6 +33,7 @@ void PsoUFastSlam::observe(const Stamp& stamp) {
     for (std::size_t i = begin; i < end; ++i) update_landmarks(points_.view(i), particles_.poses()[i]);
   });
   points_.live();
+  learn_noise();
   motion_ = {};
   particles_.record(stamp, fits_);
 }
