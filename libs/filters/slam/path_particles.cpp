@@ -46,17 +46,18 @@ void PathParticles::note_weights() {
 }
 
 void PathParticles::record(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending) {
-  pending_ = pending;
-  moving_ = pending.mean != Pose2{} || !pending.covariance.isZero(0.0);
+  record_estimate(stamp, fits, pending);
   record_paths(stamp);
-  record_estimate(stamp, fits);
 }
 
 void PathParticles::record_paths(const Stamp& stamp) {
   for (std::size_t i = 0; i < poses_.size(); ++i) paths_.append(i, {stamp.seq, stamp.utime, present(i)});
 }
 
-void PathParticles::record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits) {
+void PathParticles::record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits,
+                                    const PoseGaussian& pending) {
+  pending_ = pending;
+  moving_ = pending.mean != Pose2{} || !pending.covariance.isZero(0.0);
   Pose2 mean;
   double cosine = 0.0, sine = 0.0, nis = 0.0, degrees_of_freedom = 0.0;
   for (std::size_t i = 0; i < poses_.size(); ++i) {

@@ -50,7 +50,7 @@ class PathParticles {
   /// \param pending motion that is still to be drawn, in the frame of each pose
   void record(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
   /// (these two do the same for filters that move particles after the resampling: the estimate before it, paths after)
-  void record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits);
+  void record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
   void record_paths(const Stamp& stamp);
   /// ... and the particles are redrawn where the weights ask for it. This ends the step.
   /// \return ancestors, placed by particle::place_in_slots, valid until the next call; empty when nothing changed
