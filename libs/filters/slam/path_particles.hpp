@@ -8,19 +8,13 @@
 
 #include "core/estimate.hpp"
 #include "core/stamp.hpp"
+#include "filters/slam/observation_fit.hpp"
 #include "filters/slam/parameters.hpp"
 #include "particle/apf.hpp"
 #include "particle/genealogy.hpp"
 #include "particle/weights.hpp"
 
 namespace noctule::filters {
-
-/// What an observation says about a particle.
-struct ObservationFit {
-  double log_likelihood = 0.0;
-  double nis = 0.0;            ///< sum of the squared normalised innovations ...
-  int degrees_of_freedom = 0;  ///< ... and how many numbers they came from
-};
 
 struct ResamplingRule {
   particle::Resampling method = particle::Resampling::systematic;
@@ -50,7 +44,7 @@ class PathParticles {
   /// \param pending motion that is still to be drawn, in the frame of each pose
   void record(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
   /// (these two do the same for filters that move particles after the resampling: the estimate before it, paths after)
-  void record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits);
+  void record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
   void record_paths(const Stamp& stamp);
   /// ... and the particles are redrawn where the weights ask for it. This ends the step.
   /// \return ancestors, placed by particle::place_in_slots, valid until the next call; empty when nothing changed
@@ -67,6 +61,11 @@ class PathParticles {
   [[nodiscard]] const SlamEstimate& estimate() const { return estimate_; }
   [[nodiscard]] PathEstimate path() const { return {estimate_.stamp, paths_.history(best_)}; }
   [[nodiscard]] ParticleCloud cloud(int at_most) const;
+  /// Before any observation: spreads the particles over these poses, as their weights say.
+  /// \throws InputError when there is none
+  void spread(const ParticleCloud& poses);
+
+  void transfer(StateArchive& archive);
 
  private:
   [[nodiscard]] Pose2 present(std::size_t i) const { return moving_ ? poses_[i] * pending_.mean : poses_[i]; }
