@@ -100,7 +100,9 @@ int run(const apps::CommandLine& line, const std::string& out, double speed) {
   const auto bus = apps::open_bus(line);
   modules::Pipeline pipeline(*bus, parameters, modules::Threads{line.threads});
   ResultsFolder results(out);
-  bus->record_to(bus::LogWriter(results.log()), {bus::channel::kTiming});
+  std::set<std::string> unrecorded{bus::channel::kTiming};
+  if (!parameters.record_images) unrecorded.insert(bus::channel::kCameraImage);
+  bus->record_to(bus::LogWriter(results.log()), std::move(unrecorded));
   std::optional<modules::RawlogModule> rawlog;
   if (parameters.rawlog) rawlog.emplace(*bus, results.rawlog());
 

@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
     const double times_real_time = apps::parse_option("--speed", speed, 0.0);
     apps::catch_interrupts();
     const auto bus = apps::open_bus(line);
-    const auto source = modules::make_source(*bus, parameters.source, parameters.seed);
+    const auto source = modules::make_source(*bus, parameters);
     apps::run_source(*bus, *source.module, times_real_time);
     return 0;
   });

@@ -14,6 +14,9 @@ set(package_of_TBB::tbb TBB)
 set(package_of_ZLIB::ZLIB ZLIB)
 set(package_of_Threads::Threads Threads)
 set(package_of_Ceres::ceres Ceres)
+foreach(module core imgproc features2d calib3d aruco video)
+  set(package_of_opencv_${module} OpenCV)
+endforeach()
 
 set(NOCTULE_COMPONENT_TABLE "")
 get_property(rooms GLOBAL PROPERTY NOCTULE_ROOMS)
@@ -40,8 +43,8 @@ foreach(room ${rooms})
   list(APPEND NOCTULE_AVAILABLE_COMPONENTS ${room})
 endforeach()
 
-# The plug-in that reads and writes MRPT's rawlogs.
-install(TARGETS noctule_datasets_mrpt LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+# The plug-ins that read and write MRPT's rawlogs, and pictures.
+install(TARGETS noctule_datasets_mrpt noctule_datasets_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/noctuleConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/noctuleConfig.cmake INSTALL_DESTINATION ${package_dir})

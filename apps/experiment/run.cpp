@@ -82,6 +82,7 @@ experiment::Experiment load_experiment(const ExperimentArguments& arguments) {
   std::vector<std::string> assignments = arguments.assignments;
   if (!arguments.seeds.empty()) {
     const auto [first, last] = parse_pair("--seeds", arguments.seeds, '-');
+    if (last < first) throw InputError("--seeds: expected the smaller number first, got '" + arguments.seeds + "'");
     assignments.push_back("first_seed=" + std::to_string(first));
     assignments.push_back("last_seed=" + std::to_string(last));
   }

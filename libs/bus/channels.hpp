@@ -9,6 +9,7 @@ inline constexpr const char* kOdometry = "ODOMETRY";
 inline constexpr const char* kUltrasonicScan = "ULTRASONIC_SCAN";
 inline constexpr const char* kLandmarkDetections = "LANDMARK_DETECTIONS";
 inline constexpr const char* kGroundTruth = "GROUND_TRUTH";
+inline constexpr const char* kCameraImage = "CAMERA_IMAGE";
 inline constexpr const char* kContourFeatures = "CONTOUR_FEATURES";
 inline constexpr const char* kSlamEstimate = "SLAM_ESTIMATE";
 inline constexpr const char* kSlamPath = "SLAM_PATH";
@@ -30,6 +31,7 @@ inline constexpr std::array kAll = {ChannelType{kOdometry, "odometry"},
                                     ChannelType{kUltrasonicScan, "ultrasonic_scan"},
                                     ChannelType{kLandmarkDetections, "landmark_detections"},
                                     ChannelType{kGroundTruth, "ground_truth"},
+                                    ChannelType{kCameraImage, "camera_image"},
                                     ChannelType{kContourFeatures, "contour_features"},
                                     ChannelType{kSlamEstimate, "slam_estimate"},
                                     ChannelType{kSlamPath, "path_estimate"},

@@ -11,6 +11,7 @@ namespace noctule::config {
 struct Source {
   std::string name;                 ///< path as the user gave it, or `--set a.b=1`
   std::filesystem::path directory;  ///< relative paths inside the text start here
+  bool has_lines = true;            ///< not where it is a single value
 };
 
 struct Place {

@@ -55,7 +55,7 @@ class Converter {
   }
 
   int line_of(const YAML::Node& node) const {
-    const bool lines = !source_->name.starts_with("--set");
+    const bool lines = source_->has_lines;
     return lines ? std::max(node.Mark().line, 0) + 1 : 0;
   }
 
@@ -75,7 +75,7 @@ Tree parse_text(std::string_view text, std::shared_ptr<const Source> source) {
                        std::to_string(documents.size()));
     }
     Tree tree = documents.empty() ? Tree{} : Converter(source).convert(documents.front());
-    if (tree.kind == Tree::Kind::nothing) tree.place = {source, source->name.starts_with("--set") ? 0 : 1};
+    if (tree.kind == Tree::Kind::nothing) tree.place = {source, source->has_lines ? 1 : 0};
     return tree;
   } catch (const YAML::Exception& e) {
     throw InputError(to_string({source, e.mark.line + 1}) + ": not valid YAML: " + e.msg);
@@ -140,14 +140,16 @@ void resolve_references(Tree& tree, int references) {
   tree.replaces = true;
 }
 
+constexpr const char* kSet = "--set ";
+
 /// `a.b[2].c=value` taken apart.
 struct Assignment {
   std::vector<std::string> keys;  ///< "a", "b", "[2]", "c"
   Tree value;
 };
 
-Assignment parse_assignment(const std::string& text) {
-  const auto source = std::make_shared<const Source>(Source{"--set " + text, {}});
+Assignment parse_assignment(const std::string& text, const std::string& origin) {
+  const auto source = std::make_shared<const Source>(Source{origin + text, {}, false});
   const auto refuse = [&] { throw InputError(source->name + ": expected key.path=value"); };
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) refuse();
@@ -202,9 +204,9 @@ void apply(Tree& root, Assignment assignment) {
   *tree = std::move(assignment.value);
 }
 
-Tree finish(Tree tree, std::span<const std::string> assignments) {
+Tree finish(Tree tree, std::span<const std::string> assignments, const std::string& origin = kSet) {
   std::vector<Assignment> parsed;
-  for (const std::string& text : assignments) parsed.push_back(parse_assignment(text));
+  for (const std::string& text : assignments) parsed.push_back(parse_assignment(text, origin));
   for (Assignment& a : parsed) {
     if (swaps_a_file(a)) apply(tree, a);
   }
@@ -243,8 +245,8 @@ Tree load_tree(const std::filesystem::path& file, std::span<const std::string> a
   return finish(parse_file(file, ""), assignments);
 }
 
-Tree override_tree(Tree tree, std::span<const std::string> assignments) {
-  return finish(std::move(tree), assignments);
+Tree override_tree(Tree tree, std::span<const std::string> assignments, const std::string& origin) {
+  return finish(std::move(tree), assignments, origin);
 }
 
 Tree parse_tree(std::string_view text, const std::string& name, std::span<const std::string> assignments) {

@@ -44,7 +44,9 @@ struct Entry {
 [[nodiscard]] Tree load_tree(const std::filesystem::path& file, std::span<const std::string> assignments = {});
 
 /// The same assignments on a tree that was read before (its references are resolved).
-[[nodiscard]] Tree override_tree(Tree tree, std::span<const std::string> assignments);
+/// \param origin what messages put before an assignment
+[[nodiscard]] Tree override_tree(Tree tree, std::span<const std::string> assignments,
+                                 const std::string& origin = "--set ");
 
 /// The same for a text; `name` stands for the file in messages.
 [[nodiscard]] Tree parse_tree(std::string_view text, const std::string& name,

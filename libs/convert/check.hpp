@@ -34,6 +34,16 @@ class Check {
     return value;
   }
 
+  std::int32_t integer_within(const char* field, std::int32_t value, std::int32_t min, std::int32_t max) const {
+    if (value < min || value > max)
+      refuse(field, "an integer from " + std::to_string(min) + " to " + std::to_string(max), std::to_string(value));
+    return value;
+  }
+  /// A count that other fields determine.
+  void count(const char* field, std::int64_t value, std::int64_t expected) const {
+    if (value != expected) refuse(field, std::to_string(expected), std::to_string(value));
+  }
+
   /// A code 0 ... last.
   template <class Enum>
   Enum code(const char* field, std::int8_t value, Enum last) const {

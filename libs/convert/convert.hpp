@@ -8,7 +8,9 @@
 #include "core/contour.hpp"
 #include "core/estimate.hpp"
 #include "core/features.hpp"
+#include "core/image.hpp"
 #include "core/observations.hpp"
+#include "noctule/camera_image.hpp"
 #include "noctule/contour_features.hpp"
 #include "noctule/contour_map.hpp"
 #include "noctule/ground_truth.hpp"
@@ -22,13 +24,15 @@
 
 namespace noctule::convert {
 
-inline constexpr const char* kBaseFrame = "base_link";  ///< of observations and features
-inline constexpr const char* kMapFrame = "map";         ///< of estimates and of the truth
+inline constexpr const char* kBaseFrame = "base_link";         ///< of observations and features
+inline constexpr const char* kCameraFrame = "camera_optical";  ///< of images
+inline constexpr const char* kMapFrame = "map";                ///< of estimates and of the truth
 
 [[nodiscard]] odometry to_message(const Odometry&);
 [[nodiscard]] ultrasonic_scan to_message(const UltrasonicScan&);
 [[nodiscard]] landmark_detections to_message(const LandmarkDetections&);
 [[nodiscard]] ground_truth to_message(const GroundTruth&);
+[[nodiscard]] camera_image to_message(const CameraImage&);
 [[nodiscard]] contour_features to_message(const ContourFeatures&);
 [[nodiscard]] slam_estimate to_message(const SlamEstimate&);
 [[nodiscard]] path_estimate to_message(const PathEstimate&);
@@ -40,6 +44,8 @@ inline constexpr const char* kMapFrame = "map";         ///< of estimates and of
 [[nodiscard]] UltrasonicScan from_message(const ultrasonic_scan&);
 [[nodiscard]] LandmarkDetections from_message(const landmark_detections&);
 [[nodiscard]] GroundTruth from_message(const ground_truth&);
+/// Raw pixels only: whoever takes JPEG decodes it first (datasets/images.hpp).
+[[nodiscard]] CameraImage from_message(const camera_image&);
 [[nodiscard]] ContourFeatures from_message(const contour_features&);
 [[nodiscard]] SlamEstimate from_message(const slam_estimate&);
 [[nodiscard]] PathEstimate from_message(const path_estimate&);

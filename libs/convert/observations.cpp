@@ -5,6 +5,9 @@
 namespace noctule::convert {
 namespace {
 
+constexpr std::int32_t kLargestSide = 16384;  // of an image [pixels]
+enum class ImageEncoding : std::int8_t { grey = camera_image::ENCODING_GREY, bgr = camera_image::ENCODING_BGR };
+
 ultrasonic_beam to_beam(const UltrasonicBeam& value) {
   const Pose2& sensor = value.sensor_in_base;
   return {sensor.x, sensor.y, sensor.yaw, value.range, static_cast<std::int8_t>(value.echo)};
@@ -102,6 +105,28 @@ ground_truth to_message(const GroundTruth& value) {
 GroundTruth from_message(const ground_truth& m) {
   const Check check("ground_truth");
   return {check.stamp(m, kMapFrame), check.pose("x_m", m.x_m, "y_m", m.y_m, "yaw_rad", m.yaw_rad)};
+}
+
+camera_image to_message(const CameraImage& value) {
+  auto m = stamped<camera_image>(value.stamp, kCameraFrame);
+  m.width = value.image.width;
+  m.height = value.image.height;
+  m.encoding = value.image.channels == 1 ? camera_image::ENCODING_GREY : camera_image::ENCODING_BGR;
+  m.byte_count = static_cast<std::int32_t>(value.image.pixels.size());
+  m.bytes = value.image.pixels;
+  return m;
+}
+
+CameraImage from_message(const camera_image& m) {
+  const Check check("camera_image");
+  const int channels = check.code("encoding", m.encoding, ImageEncoding::bgr) == ImageEncoding::grey ? 1 : 3;
+  CameraImage value{check.stamp(m, kCameraFrame), {}};
+  value.image.width = check.integer_within("width", m.width, 1, kLargestSide);
+  value.image.height = check.integer_within("height", m.height, 1, kLargestSide);
+  value.image.channels = channels;
+  check.count("byte_count", m.byte_count, std::int64_t{m.width} * m.height * channels);
+  value.image.pixels = m.bytes;
+  return value;
 }
 
 }  // namespace noctule::convert

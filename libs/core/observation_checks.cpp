@@ -44,17 +44,31 @@ void check(const LandmarkDetections& message) {
     const auto place = [&] {
       return "landmark detections " + std::to_string(message.stamp.seq) + ", detection " + std::to_string(i);
     };
-    if (d.kind != DetectionKind::range_bearing) {
-      refuse(place(), ": kind: expected range_bearing, got ",
-             d.kind == DetectionKind::bearing_only ? "bearing_only" : "range_only",
-             ", which this estimator cannot use");
+    const bool ranged = d.kind != DetectionKind::bearing_only, turned = d.kind != DetectionKind::range_only;
+    if (ranged && !(d.range > 0.0 && std::isfinite(d.range))) {
+      refuse(place(), ": range: expected metres > 0, got ", d.range);
     }
-    if (!(d.range > 0.0 && std::isfinite(d.range))) refuse(place(), ": range: expected metres > 0, got ", d.range);
-    if (!std::isfinite(d.bearing)) refuse(place(), ": bearing: expected radians, got ", d.bearing);
-    if (!is_covariance(d.covariance) || !(d.covariance(0, 0) > 0.0) || !(d.covariance.determinant() > 0.0)) {
-      refuse(place(), ": covariance: expected a positive definite matrix, got ", d.covariance.reshaped().transpose());
+    if (turned && !std::isfinite(d.bearing)) refuse(place(), ": bearing: expected radians, got ", d.bearing);
+    const auto is_variance = [](double v) { return v > 0.0 && std::isfinite(v); };
+    const bool sound = ranged && turned
+                           ? is_covariance(d.covariance) && d.covariance(0, 0) > 0.0 && d.covariance.determinant() > 0.0
+                           : is_variance(ranged ? d.covariance(0, 0) : d.covariance(1, 1));
+    if (!sound) {
+      refuse(place(), ": covariance: expected ",
+             ranged && turned ? "a positive definite matrix" : "a positive variance of what is measured", ", got ",
+             d.covariance.reshaped().transpose());
     }
     if (d.id < -1) refuse(place(), ": id: expected -1 (unknown) or >= 0, got ", d.id);
+  }
+}
+
+void check_whole(const LandmarkDetections& message) {
+  check(message);
+  for (std::size_t i = 0; i < message.detections.size(); ++i) {
+    const DetectionKind kind = message.detections[i].kind;
+    if (kind == DetectionKind::range_bearing) continue;
+    refuse("landmark detections ", message.stamp.seq, ", detection ", i, ": kind: expected range_bearing, got ",
+           kind == DetectionKind::bearing_only ? "bearing_only" : "range_only", ", which this estimator cannot use");
   }
 }
 

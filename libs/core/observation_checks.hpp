@@ -7,7 +7,9 @@ namespace noctule {
 
 /// Finite increment; finite, symmetric covariance without negative variances.
 void check(const Odometry&);
-/// Finite numbers, range-bearing only, positive ranges, positive definite covariances.
+/// Of what each sighting measures: finite numbers, positive ranges, positive definite covariances.
 void check(const LandmarkDetections&);
+/// The same, and each sighting measures range and bearing.
+void check_whole(const LandmarkDetections&);
 
 }  // namespace noctule

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "core/contour.hpp"
+#include "core/image.hpp"
 #include "core/observations.hpp"
 
 namespace noctule {
 
-using Observation = std::variant<Odometry, UltrasonicScan, LandmarkDetections, GroundTruth>;
+using Observation = std::variant<Odometry, UltrasonicScan, LandmarkDetections, GroundTruth, CameraImage>;
 
 struct KnownLandmark {
   std::int64_t id = 0;

@@ -1,29 +1,14 @@
 #include "datasets/rawlog.hpp"
 
-#include <dlfcn.h>
-
-#include <system_error>
-
-#include "core/error.hpp"
 #include "datasets/file_content.hpp"
+#include "datasets/plugin.hpp"
 
 namespace noctule::datasets {
 namespace {
 
-// The plug-in beside the executable (build tree, installation), else wherever the loader looks.
-const RawlogPlugin& load_plugin() {
-  constexpr const char* kName = "libnoctule_mrpt.so";
-  std::error_code none;
-  const auto folder = std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
-  void* library = dlopen((folder / ".." / "lib" / kName).c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) library = dlopen(kName, RTLD_NOW | RTLD_LOCAL);
-  const void* symbol = library == nullptr ? nullptr : dlsym(library, "noctule_rawlog_plugin");
-  if (symbol == nullptr) throw InputError(std::string("rawlog: expected the plug-in ") + kName + ", got: " + dlerror());
-  return *static_cast<const RawlogPlugin*>(symbol);
-}
-
 const RawlogPlugin& plugin() {
-  static const RawlogPlugin& loaded = load_plugin();
+  static const auto& loaded =
+      *static_cast<const RawlogPlugin*>(plugin_symbol("rawlog", "libnoctule_mrpt.so", "noctule_rawlog_plugin"));
   return loaded;
 }
 

@@ -72,6 +72,7 @@ class Writer : public RawlogSink {
 
  private:
   void take(const GroundTruth&) {}
+  void take(const CameraImage&) {}
   void take(const Odometry& odometry) {
     end_frame();
     const PoseGaussian increment{odometry.increment, odometry.covariance};

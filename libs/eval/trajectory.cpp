@@ -143,6 +143,11 @@ RelativePoseErrors relative_pose_errors(std::span<const PosePair> pairs, std::sp
   return {translation.samples, translation.rms(), rotation.rms()};
 }
 
+std::vector<Metric> relative_pose_metrics(std::span<const PosePair> pairs, double length) {
+  const RelativePoseErrors errors = relative_pose_errors(pairs, segments_by_length(pairs, length));
+  return {{"rpe_translation", errors.translation_rmse, "m"}, {"rpe_rotation", errors.rotation_rmse, "rad"}};
+}
+
 double nees(const Pose2& estimate, const Matrix3& covariance, const Pose2& truth) {
   const Eigen::LLT<Matrix3> llt(covariance);
   if (llt.info() != Eigen::Success || !covariance.allFinite()) return kNan;

@@ -9,6 +9,7 @@
 #include "core/chi2.hpp"
 #include "core/estimate.hpp"
 #include "core/source.hpp"
+#include "eval/metrics.hpp"
 #include "eval/segments.hpp"
 
 namespace noctule::eval {
@@ -87,6 +88,8 @@ struct RelativePoseErrors {
 };
 [[nodiscard]] RelativePoseErrors relative_pose_errors(std::span<const PosePair> pairs,
                                                       std::span<const Segment> segments);
+/// `rpe_translation` and `rpe_rotation`: the same over all segments of `length` [m] of the true way.
+[[nodiscard]] std::vector<Metric> relative_pose_metrics(std::span<const PosePair> pairs, double length);
 
 /// Normalised estimation error squared of (x, y, yaw). NaN where the covariance is not positive definite: a filter that
 /// starts from a certain pose has none yet.

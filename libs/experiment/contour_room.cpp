@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
+#include <string_view>
 
 #include "config/config.hpp"
+#include "core/error.hpp"
+#include "datasets/images.hpp"
 #include "eval/contour_error.hpp"
 #include "eval/trajectory.hpp"
 #include "experiment/slam_filters.hpp"
@@ -19,6 +23,7 @@ struct Stop {
   std::vector<Odometry> odometry;  ///< since the previous stop
   UltrasonicScan scan;
   ContourFeatures features;
+  std::optional<LandmarkDetections> sightings;
   Pose2 truth;
 };
 
@@ -28,10 +33,13 @@ struct Stream {
   double path_length = 0.0;
 };
 
-Stream record(const sim::WorldParameters& world, const sim::RobotParameters& robot,
-              const sensors::ExtractorParameters& parameters, std::uint64_t seed) {
-  sim::Simulator simulator(world, robot, seed);
-  sensors::UltrasonicExtractor extractor(parameters);
+Stream record(const ContourRoomParameters& parameters, std::uint64_t seed) {
+  sim::RobotParameters robot = parameters.robot;
+  if (!parameters.camera) robot.camera.reset();  // nobody looks
+  sim::Simulator simulator(parameters.world, robot, seed);
+  sensors::UltrasonicExtractor extractor(parameters.extractor);
+  std::optional<sensors::LandmarkCamera> camera;
+  if (parameters.camera) camera.emplace(*parameters.camera, datasets::read_image);
   Stream stream{{}, simulator.world(), 0.0};
   std::vector<Odometry> odometry;
   Pose2 truth = stream.world.start_in_map;
@@ -43,11 +51,39 @@ Stream record(const sim::WorldParameters& world, const sim::RobotParameters& rob
       stream.path_length += (g->base_in_map.position() - truth.position()).norm();
       truth = g->base_in_map;
     } else if (const auto* scan = std::get_if<UltrasonicScan>(&*observation)) {
-      stream.stops.push_back({std::move(odometry), *scan, extractor.update(*scan), truth});
+      stream.stops.push_back({std::move(odometry), *scan, extractor.update(*scan), std::nullopt, truth});
       odometry.clear();
+    } else if (const auto* image = std::get_if<CameraImage>(&*observation)) {
+      stream.stops.back().sightings = camera->detect(*image);
     }
   }
   return stream;
+}
+
+/// What a filter is fed with beside odometry.
+struct Senses {
+  bool sonar = true;
+  bool camera = true;
+};
+
+constexpr std::string_view kSensors = "sensors=";
+
+/// Takes the parameter `sensors` out of a filter's.
+Senses take_senses(FilterSpec& spec) {
+  std::string rest, which = "both";
+  std::istringstream parts(spec.parameters);
+  for (std::string part; std::getline(parts, part, ';');) {
+    if (part.starts_with(kSensors)) {
+      which = part.substr(kSensors.size());
+    } else {
+      rest += (rest.empty() ? "" : ";") + part;
+    }
+  }
+  spec.parameters = rest;
+  if (which != "sonar" && which != "camera" && which != "both") {
+    throw InputError("filter '" + spec.name + "': sensors: expected sonar, camera or both, got '" + which + "'");
+  }
+  return {.sonar = which != "camera", .camera = which != "sonar"};
 }
 
 /// Poses of the base at the stops, and what else the filter said.
@@ -55,6 +91,7 @@ struct Result {
   std::vector<Pose2> online;  ///< estimate at each stop, when it was made
   std::vector<Pose2> path;    ///< final estimate of each stop
   std::vector<double> nees;
+  std::optional<LandmarkMap> landmarks;  ///< of a filter that saw some
 };
 
 Result dead_reckon(const Stream& stream) {
@@ -75,18 +112,23 @@ Result true_path(const Stream& stream) {
   return result;
 }
 
-Result filter(const Stream& stream, const filters::SlamFilterParameters& parameters, std::uint64_t seed) {
-  const auto slam = filters::make_slam_filter(parameters, seed, stream.world.start_in_map);
+Result filter(const Stream& stream, FilterSpec spec, std::uint64_t seed) {
+  const Senses senses = take_senses(spec);
+  const auto slam = filters::make_slam_filter(slam_filter_parameters(spec), seed, stream.world.start_in_map);
   Result result;
   for (const Stop& stop : stream.stops) {
     for (const Odometry& o : stop.odometry) slam->predict(o);
-    slam->update(stop.scan, stop.features);
+    if (senses.sonar) slam->update(stop.scan, stop.features);
+    if (senses.camera && stop.sightings) slam->update(*stop.sightings);
     const SlamEstimate estimate = slam->estimate();
     result.online.push_back(estimate.pose);
     const double nees = eval::nees(estimate.pose, estimate.covariance, stop.truth);
     if (std::isfinite(nees)) result.nees.push_back(nees);
   }
-  for (const PathPose& pose : slam->path().poses) result.path.push_back(pose.pose);
+  std::map<std::int64_t, Pose2> path;  // by time; the latest where echoes and sightings share one
+  for (const PathPose& pose : slam->path().poses) path[pose.utime] = pose.pose;
+  for (const Stop& stop : stream.stops) result.path.push_back(path.at(stop.scan.stamp.utime));
+  if (senses.camera) result.landmarks = slam->map();
   return result;
 }
 
@@ -112,6 +154,12 @@ std::vector<eval::Metric> figures(const Result& result, const Stream& stream, co
   metrics.push_back({"position_rmse", pose.position_rmse, "m"});
   metrics.push_back({"heading_rmse", pose.heading_rmse, "rad"});
   if (!result.nees.empty()) metrics.push_back({"nees_mean", eval::nees_summary(result.nees).mean, "1"});
+  if (result.landmarks && !stream.world.landmarks.empty()) {
+    const eval::LandmarkErrors landmarks =
+        eval::landmark_errors(*result.landmarks, stream.world.landmarks, {.known_ids = true});
+    metrics.push_back({"landmark_rmse", landmarks.rmse, "m"});
+    metrics.push_back({"landmarks_found", static_cast<double>(landmarks.found), "1"});
+  }
   return metrics;
 }
 
@@ -130,22 +178,29 @@ std::vector<std::string> ContourRoom::metrics() const {
     names.push_back(m.name);
   }
   names.insert(names.end(), {"complete", "position_rmse", "heading_rmse", "nees_mean"});
+  if (parameters_.camera) names.insert(names.end(), {"landmark_rmse", "landmarks_found"});
   return names;
 }
 
 void ContourRoom::check(const FilterSpec& filter) const {
-  if (is_slam_filter(filter.name)) static_cast<void>(slam_filter_parameters(filter));
+  if (!is_slam_filter(filter.name)) return;
+  FilterSpec spec = filter;
+  const Senses senses = take_senses(spec);
+  static_cast<void>(slam_filter_parameters(spec));
+  if (!senses.sonar && !parameters_.camera) {
+    throw InputError("filter '" + filter.name + "': sensors: expected sonar where there is no camera, got camera");
+  }
 }
 
 std::vector<FilterRun> ContourRoom::run(std::uint64_t seed, std::span<const FilterSpec> filters) const {
-  const Stream stream = record(parameters_.world, parameters_.robot, parameters_.extractor, seed);
+  const Stream stream = record(parameters_, seed);
   std::vector<FilterRun> runs;
   for (const FilterSpec& spec : filters) {
     reset_peak_memory();
     const double begin = cpu_seconds();
     const Result result = spec.name == kKnownPose       ? true_path(stream)
                           : spec.name == kDeadReckoning ? dead_reckon(stream)
-                                                        : filter(stream, slam_filter_parameters(spec), seed);
+                                                        : filter(stream, spec, seed);
     const double filter_time = cpu_seconds() - begin;
     runs.push_back({.figures = figures(result, stream, parameters_.mapper),
                     .timings = {{"cpu_per_scan", filter_time / static_cast<double>(stream.stops.size()), "s"},

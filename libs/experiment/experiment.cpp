@@ -14,6 +14,7 @@
 #include "experiment/landmark_world.hpp"
 #include "experiment/recorded_landmarks.hpp"
 #include "experiment/rfs_scene.hpp"
+#include "experiment/visual_tracking.hpp"
 
 namespace noctule::experiment {
 namespace {
@@ -71,9 +72,10 @@ std::unique_ptr<Scenario> make_scenario(const ScenarioSpec& spec) {
   if (spec.kind == "landmark_world") return std::make_unique<LandmarkWorld>(spec);
   if (spec.kind == "recorded_landmarks") return std::make_unique<RecordedLandmarks>(spec);
   if (spec.kind == "rfs_scene") return std::make_unique<RfsScene>(spec);
+  if (spec.kind == "visual_tracking") return std::make_unique<VisualTracking>(spec);
   throw InputError("scenario '" + spec.name +
-                   "': kind: expected contour_room, growth_model, landmark_world, recorded_landmarks or rfs_scene, "
-                   "got '" +
+                   "': kind: expected contour_room, growth_model, landmark_world, recorded_landmarks, rfs_scene or "
+                   "visual_tracking, got '" +
                    spec.kind + "'");
 }
 
@@ -109,7 +111,7 @@ Tree effective_config(const FilterSpec& filter) {
   for (std::string& assignment : assignments) {
     if (assignment.starts_with("N=")) assignment.replace(0, 1, "particles");  // N is what papers call it
   }
-  return config::override_tree(filter.config, assignments);
+  return config::override_tree(filter.config, assignments, "filter '" + filter.name + "': parameters: ");
 }
 
 bool has_diverged(double final_position_error, double path_length) {

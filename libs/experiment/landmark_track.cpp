@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "core/limits.hpp"
@@ -16,7 +17,7 @@ double time_of(const LandmarkScan& scan) {
   return seconds(scan.sightings.stamp.utime);
 }
 
-void add_pose_figures(const LandmarkTrack& track, const LandmarkStream& stream, FilterRun& run) {
+void add_pose_figures(const LandmarkTrack& track, const LandmarkStream& stream, double segment, FilterRun& run) {
   std::vector<eval::PosePair> pairs;
   std::vector<double> nees;
   for (std::size_t i = 0; i < stream.scans.size(); ++i) {
@@ -32,6 +33,7 @@ void add_pose_figures(const LandmarkTrack& track, const LandmarkStream& stream, 
                                          {"position_mean_error", pose.position_mean, "m"},
                                          {"heading_rmse", pose.heading_rmse, "rad"},
                                          {"final_position_error", last, "m"}});
+  std::ranges::move(eval::relative_pose_metrics(pairs, segment), std::back_inserter(run.figures));
   run.diverged = has_diverged(last, stream.path_length);
 
   const eval::NeesSummary summary = eval::nees_summary(nees);
@@ -154,9 +156,9 @@ double landmark_rmse(const LandmarkMap& map, const LandmarkStream& stream, const
 }
 
 std::vector<std::string> landmark_metric_names(bool as_sets) {
-  std::vector<std::string> names{"position_rmse",        "position_mean_error", "heading_rmse",
-                                 "final_position_error", "landmark_rmse",       "landmark_mean_error",
-                                 "landmarks_found",      "landmarks_missed",    "landmarks_invented"};
+  std::vector<std::string> names{"position_rmse",   "position_mean_error", "heading_rmse",      "final_position_error",
+                                 "rpe_translation", "rpe_rotation",        "landmark_rmse",     "landmark_mean_error",
+                                 "landmarks_found", "landmarks_missed",    "landmarks_invented"};
   if (as_sets) names.insert(names.end(), {"landmark_ospa", "landmark_gospa"});
   names.insert(names.end(), {"nees_mean", "nees_median", "nees_inside", "nees_leaves", "nis_mean", "ess_mean",
                              "distinct_particles_end", "distinct_ancestors_end"});
@@ -167,7 +169,7 @@ std::vector<std::string> landmark_metric_names(bool as_sets) {
 
 FilterRun judge(const LandmarkTrack& track, const LandmarkStream& stream, const LandmarkJudgement& judgement) {
   FilterRun run;
-  add_pose_figures(track, stream, run);
+  add_pose_figures(track, stream, judgement.segment, run);
   add_map_figures(track, stream, judgement, run);
   add_health(track, stream, run);
   return run;

@@ -45,6 +45,7 @@ struct LandmarkJudgement {
   bool known_ids = true;      ///< landmarks are paired by id; else by their places
   bool as_sets = false;       ///< OSPA and GOSPA too
   double match_within = 5.0;  ///< pairs farther apart are none where ids are unknown; cutoff of OSPA and GOSPA [m]
+  double segment = 10.0;      ///< [m] true way over which relative pose errors are taken
 };
 
 /// RMS error [m] of the landmarks in the map.

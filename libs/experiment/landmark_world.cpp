@@ -5,6 +5,7 @@
 #include "config/config.hpp"
 #include "core/error.hpp"
 #include "experiment/landmark_track.hpp"
+#include "experiment/path_mapper.hpp"
 #include "experiment/slam_filters.hpp"
 #include "smoothing/landmark_smoother.hpp"
 
@@ -37,36 +38,12 @@ class FilterFollower : public Follower {
   bool informed_;
 };
 
-/// Puts landmarks on the map along a path that is taken as certain: FastSLAM 1 with one particle and odometry that does
-/// not err.
-class PathMapper {
- public:
-  explicit PathMapper(const Pose2& start) : filter_(make(start)), at_(start) {}
-
-  void take(const LandmarkScan& scan, const Pose2& pose) {
-    filter_->predict({.stamp = scan.informed.stamp, .increment = between(at_, pose)});
-    filter_->update(scan.informed);
-    at_ = pose;
-  }
-  [[nodiscard]] LandmarkMap map() const { return filter_->map(); }
-
- private:
-  static std::unique_ptr<filters::SlamFilter> make(const Pose2& start) {
-    filters::FastSlam1Parameters parameters;
-    parameters.particles = 1;
-    return filters::make_slam_filter(parameters, 0, start);
-  }
-
-  std::unique_ptr<filters::SlamFilter> filter_;
-  Pose2 at_;
-};
-
 class TruePath : public Follower {
  public:
   explicit TruePath(const Pose2& start) : mapper_(start) {}
 
   SlamEstimate take(const LandmarkScan& scan) override {
-    mapper_.take(scan, scan.truth);
+    mapper_.take(scan.informed, scan.truth);
     SlamEstimate e;
     e.pose = scan.truth;
     return e;
@@ -83,7 +60,7 @@ class DeadReckoning : public Follower {
 
   SlamEstimate take(const LandmarkScan& scan) override {
     for (const Odometry& o : scan.odometry) pose_ = pose_ * PoseGaussian{o.increment, o.covariance};
-    mapper_.take(scan, pose_.mean);
+    mapper_.take(scan.informed, pose_.mean);
     SlamEstimate e;
     e.pose = pose_.mean;
     e.covariance = pose_.covariance;
@@ -174,7 +151,8 @@ std::vector<FilterRun> LandmarkWorld::run(std::uint64_t seed, std::span<const Fi
     reset_peak_memory();
     const bool oracle = spec.name == kOracle, slam = is_slam_filter(spec.name) || oracle;
     const bool known_ids = parameters_.sensor.known_ids;
-    const LandmarkJudgement judgement{!slam || oracle || known_ids, !known_ids, parameters_.match_within};
+    const LandmarkJudgement judgement{!slam || oracle || known_ids, !known_ids, parameters_.match_within,
+                                      parameters_.rpe_length};
     const LandmarkTrack track =
         spec.name == kSmoother ? smooth(stream, spec) : follow(stream, judgement, [&]() -> std::unique_ptr<Follower> {
           if (slam) return std::make_unique<FilterFollower>(spec, seed, stream.start);

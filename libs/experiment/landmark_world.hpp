@@ -15,6 +15,7 @@ struct LandmarkScenarioParameters {
   sim::LandmarkSensorParameters sensor;
   double match_within = 5.0;
   double series_period = 5.0;
+  double rpe_length = 10.0;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -26,6 +27,8 @@ struct LandmarkScenarioParameters {
             "where sightings carry no number: farther pairs of landmarks are no pairs; also cutoff of OSPA and GOSPA",
             positive());
     v.field("series_period_s", &P::series_period, unit::second, "time between two points of curves", positive());
+    v.field("rpe_length_m", &P::rpe_length, unit::metre, "true way over which relative pose errors are taken",
+            positive());
   }
 };
 

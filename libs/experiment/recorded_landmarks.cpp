@@ -2,21 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "config/config.hpp"
 #include "core/error.hpp"
 #include "core/limits.hpp"
 #include "eval/trajectory.hpp"
+#include "experiment/path_mapper.hpp"
 #include "experiment/slam_filters.hpp"
 #include "filters/localisation/ekf_localisation.hpp"
+#include "smoothing/fix_smoother.hpp"
 #include "smoothing/landmark_smoother.hpp"
 
 namespace noctule::experiment {
 namespace {
 
+/// How the limit `fixes` believes in fixes.
+struct FixSmootherParameters {
+  double fix_sd = 0.5;    ///< [m]
+  double start_sd = 1.0;  ///< [m, m, rad] of the first pose
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = FixSmootherParameters;
+    v.field("fix_sd_m", &P::fix_sd, unit::metre, "standard deviation of a fix", positive());
+    v.field("start_sd", &P::start_sd, unit::one, "standard deviation of the first pose (m, m, rad)", positive());
+  }
+};
+
 constexpr double kSeriesStep = 10.0;  // [s]
 constexpr const char* kKnownMap = "known_map";
+constexpr const char* kFixes = "fixes";
 
 const std::filesystem::path& folder_of(const RecordedLandmarksParameters& p) {
   return std::visit([](const auto& source) -> const std::filesystem::path& { return source.path; }, p.source);
@@ -49,6 +66,7 @@ struct RecordedLandmarks::Stream {
   std::vector<eval::TimedPose> truth;     ///< whole poses
   KnownWorld world;
   double way = 0.0;  ///< [m] driven by odometry
+  std::int64_t begin = 0;
   double duration = 0.0;
   std::size_t messages = 0;  ///< of sightings
 };
@@ -112,14 +130,21 @@ Outcome run_slam(const Stream& stream, double sampling, bool known_ids, const fi
   return outcome;
 }
 
+/// With a map along its path where there is one to compare it with.
 template <class Stream>
 Outcome dead_reckon(const Stream& stream, double sampling) {
   Pose2 pose = stream.world.start_in_map;
-  return {follow(
-              stream, sampling, [&](const Odometry& o) { pose = pose * o.increment; },
-              [&](const LandmarkDetections&) { return pose; }),
-          {},
-          {}};
+  PathMapper mapper(pose);
+  const bool judged = !stream.world.landmarks.empty();
+  Outcome outcome;
+  outcome.trajectory = follow(
+      stream, sampling, [&](const Odometry& o) { pose = pose * o.increment; },
+      [&](const LandmarkDetections& d) {
+        if (judged) mapper.take(d, pose);
+        return pose;
+      });
+  if (judged) outcome.map = mapper.map();
+  return outcome;
 }
 
 template <class Stream>
@@ -150,6 +175,38 @@ Outcome smooth(const Stream& stream, double sampling, const smoothing::LandmarkS
               [&](const LandmarkDetections&) { return run.path.poses[next++].pose; }),
           run.map,
           {run.dof > 0 ? run.chi2 / run.dof : kNan}};
+}
+
+/// Poses at the fixes, each by odometry and every other fix without the one that judges it.
+template <class Stream>
+Outcome smooth_by_fixes(const Stream& stream, const FixSmootherParameters& p) {
+  std::vector<PoseGaussian> motions;
+  PoseGaussian motion;
+  auto fix = stream.world.fixes.begin();
+  for (const Observation& observation : stream.observations) {
+    const auto* o = std::get_if<Odometry>(&observation);
+    if (o == nullptr) continue;
+    for (; fix != stream.world.fixes.end() && fix->utime <= o->stamp.utime; ++fix) {
+      motions.push_back(motion);
+      motion = {};
+    }
+    motion = motion * PoseGaussian{o->increment, o->covariance};
+  }
+  const PoseGaussian start{stream.world.start_in_map, p.start_sd * p.start_sd * Matrix3::Identity()};
+  const Matrix2 r = p.fix_sd * p.fix_sd * Matrix2::Identity();
+  Outcome outcome;
+  outcome.trajectory.resize(motions.size());
+  for (std::size_t judged = 0; judged < 2; ++judged) {
+    std::vector<std::optional<Vector2>> fixes{std::nullopt};  // the start is none
+    for (std::size_t k = 0; k < motions.size(); ++k) {
+      fixes.push_back(k % 2 == judged ? std::nullopt : std::optional(stream.world.fixes[k].position));
+    }
+    const std::vector<PoseGaussian> poses = smoothing::smooth_fixes(start, motions, fixes, r);
+    for (std::size_t k = judged; k < motions.size(); k += 2) {
+      outcome.trajectory[k] = {stream.world.fixes[k].utime, poses[k + 1].mean};
+    }
+  }
+  return outcome;
 }
 
 /// Estimates and truth at the same times; a fix has the heading of the estimate, which is nobody's truth.
@@ -218,6 +275,7 @@ const RecordedLandmarks::Stream& RecordedLandmarks::stream() const {
       }
       stream->observations.push_back(std::move(*observation));
     }
+    stream->begin = begin.value_or(0);
     stream->duration = begin ? seconds(end - *begin) : 0.0;
     if (stream->messages == 0) throw InputError(folder_of(parameters_).string() + ": expected sightings, got none");
     if (stream->truth.empty() && stream->world.fixes.empty()) {
@@ -233,13 +291,19 @@ std::vector<std::string> RecordedLandmarks::filters() const {
   names.emplace_back(kDeadReckoning);
   if (std::holds_alternative<datasets::MrclamParameters>(parameters_.source)) {
     names.insert(names.end(), {kKnownMap, kSmoother});
+  } else {
+    names.emplace_back(kFixes);
   }
   return names;
 }
 
 std::vector<std::string> RecordedLandmarks::metrics() const {
-  return {"position_rmse",   "position_rmse_unaligned", "position_max",       "heading_rmse", "landmark_rmse",
-          "landmarks_found", "landmarks_missed",        "landmarks_invented", "landmarks",    "nis_mean",
+  return {"position_rmse",    "position_rmse_unaligned",
+          "position_max",     "heading_rmse",
+          "rpe_translation",  "rpe_rotation",
+          "landmark_rmse",    "landmarks_found",
+          "landmarks_missed", "landmarks_invented",
+          "landmarks",        "nis_mean",
           "position_error"};
 }
 
@@ -248,6 +312,8 @@ void RecordedLandmarks::check(const FilterSpec& filter) const {
     static_cast<void>(slam_filter_parameters(filter));
   } else if (filter.name == kKnownMap) {
     static_cast<void>(config::load<filters::EkfLocalisationParameters>(effective_config(filter)));
+  } else if (filter.name == kFixes) {
+    static_cast<void>(config::load<FixSmootherParameters>(effective_config(filter)));
   } else if (filter.name == kSmoother) {
     static_cast<void>(config::load<smoothing::LandmarkSmootherParameters>(effective_config(filter)));
   }
@@ -262,6 +328,8 @@ FilterRun RecordedLandmarks::run_one(std::uint64_t seed, const FilterSpec& spec)
     outcome = dead_reckon(data, sampling);
   } else if (spec.name == kKnownMap) {
     outcome = localise(data, sampling, config::load<filters::EkfLocalisationParameters>(effective_config(spec)));
+  } else if (spec.name == kFixes) {
+    outcome = smooth_by_fixes(data, config::load<FixSmootherParameters>(effective_config(spec)));
   } else if (spec.name == kSmoother) {
     outcome = smooth(data, sampling, config::load<smoothing::LandmarkSmootherParameters>(effective_config(spec)));
   } else {
@@ -280,14 +348,17 @@ FilterRun RecordedLandmarks::run_one(std::uint64_t seed, const FilterSpec& spec)
   const eval::PoseErrors errors = eval::pose_errors(pairs);
   run.figures.push_back({"position_rmse", errors.position_rmse, "m"});
   run.figures.push_back({"position_max", errors.position_max, "m"});
-  if (!data.truth.empty()) run.figures.push_back({"heading_rmse", errors.heading_rmse, "rad"});
+  if (!data.truth.empty()) {
+    run.figures.push_back({"heading_rmse", errors.heading_rmse, "rad"});
+    std::ranges::move(eval::relative_pose_metrics(pairs, parameters_.rpe_length), std::back_inserter(run.figures));
+  }
   if (!outcome.map.landmarks.empty()) {
     run.figures.push_back({"landmarks", static_cast<double>(outcome.map.landmarks.size()), "1"});
   }
   if (!outcome.map.landmarks.empty() && !data.world.landmarks.empty()) {
     const eval::LandmarkErrors landmarks = eval::landmark_errors(moved(alignment, outcome.map), data.world.landmarks,
                                                                  {.gate = parameters_.landmark_gate,
-                                                                  .known_ids = known_ids_ || spec.name == kSmoother,
+                                                                  .known_ids = known_ids_ || !is_slam_filter(spec.name),
                                                                   .alignment = eval::Alignment::rigid});
     run.figures.push_back({"landmark_rmse", landmarks.rmse, "m"});
     run.figures.push_back({"landmarks_found", static_cast<double>(landmarks.found), "1"});
@@ -300,7 +371,7 @@ FilterRun RecordedLandmarks::run_one(std::uint64_t seed, const FilterSpec& spec)
     run.figures.push_back({"nis_mean", sum / static_cast<double>(outcome.nis.size()), "1"});
   }
   if (!outcome.trajectory.empty()) {
-    run.series.push_back(error_over_time(pairs, outcome.trajectory.front().utime, data.duration, 1.0));
+    run.series.push_back(error_over_time(pairs, data.begin, data.duration, 1.0));
   }
   run.timings = {{"cpu_per_scan", cpu / static_cast<double>(data.messages), "s"},
                  {"realtime_factor", data.duration / std::max(cpu, 1e-9), "1"},

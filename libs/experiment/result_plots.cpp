@@ -160,6 +160,23 @@ void finish(Plot& plot) {
   plot.y_logarithmic = wide(y, plot.curves ? kWideCurves : kWideY);
 }
 
+/// Says which lines to see filters by have no such figure (dead reckoning has no particles), and finishes the plot.
+void finish(Plot& plot, const Results& results) {
+  std::string absent;
+  for (const FilterSpec& spec : results.experiment.filters) {
+    const auto is_its = [&](const auto& drawn) {
+      return drawn.name == spec.name || drawn.name.starts_with(spec.name + ", ");
+    };
+    if (spec.role == Role::compared || std::ranges::any_of(plot.lines, is_its) ||
+        std::ranges::any_of(plot.series, is_its)) {
+      continue;
+    }
+    absent += (absent.empty() ? "" : ", ") + spec.name;
+  }
+  if (!absent.empty()) plot.note = "Without a line, having no such figure: " + absent + ".";
+  finish(plot);
+}
+
 /// The rows of one metric, and how its values are printed.
 struct MetricRows {
   std::vector<SummaryRow> rows;
@@ -223,7 +240,7 @@ Plot parameter_plot(const Results& results, const std::string& scenario, const s
   add_references(plot, results, scenario, metric, key, unit);
   constexpr std::size_t kFewTicks = 8;
   if (ticks.size() <= kFewTicks) plot.x_ticks.assign(ticks.begin(), ticks.end());
-  finish(plot);
+  finish(plot, results);
   return plot;
 }
 
@@ -282,7 +299,7 @@ std::vector<Plot> time_plots(const Results& results, const std::string& scenario
       series_named(plot.series, style.base_name(row->subject), style.css_class(row->subject))
           .points.push_back({row->time, row->mean * unit.scale, scaled(row->ci95, unit.scale), ""});
     }
-    finish(plot);
+    finish(plot, results);
     plots.push_back(std::move(plot));
   }
   return plots;
@@ -324,7 +341,7 @@ std::vector<Plot> cost_plots(const Results& results, const std::string& scenario
                  words(joined(row.subject.filter, row.subject.parameters), row.mean, row.ci95, of_metric.unit)});
       }
     }
-    finish(plot);
+    finish(plot, results);
     if (!plot.series.empty()) plots.push_back(std::move(plot));
   }
   return plots;

@@ -9,6 +9,7 @@
 #include "core/error.hpp"
 #include "core/rng.hpp"
 #include "eval/track_distance.hpp"
+#include "experiment/slam_filters.hpp"
 #include "filters/rfs/gnn_tracker.hpp"
 #include "smoothing/kalman.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 using filters::ObjectEstimate;
 using models::Vector4;
 
+constexpr const char* kOracle = "oracle";
 constexpr eval::SetDistanceParameters kDistance{.order = 1.0, .cutoff = 100.0};
 constexpr std::size_t kSettled = 10;        // scans
 constexpr std::int64_t kWindow = 10;        // scans of OSPA(2)
@@ -128,8 +130,8 @@ Estimates run_filter(filters::MultiObjectFilter& filter, const Scene& scene) {
   return estimates;
 }
 
-/// Each object from its first measurement on.
-Estimates run_oracle(const filters::ObjectModel& model, const Scene& scene) {
+/// Each object from its first measurement on. \param corrected by the measurements after the first
+Estimates follow_known(const filters::ObjectModel& model, const Scene& scene, bool corrected) {
   std::map<int, smoothing::KalmanSmoother<4>> kalman;
   const models::ConstantVelocity motion = model.motion();
   const Matrix2 r = model.position_sd * model.position_sd * Matrix2::Identity();
@@ -139,7 +141,7 @@ Estimates run_oracle(const filters::ObjectModel& model, const Scene& scene) {
     for (const Measurement& m : scan) {
       if (m.object < 0) continue;
       if (const auto known = kalman.find(m.object); known != kalman.end()) {
-        known->second.update<2>(m.position, models::ConstantVelocity::position(), r);
+        if (corrected) known->second.update<2>(m.position, models::ConstantVelocity::position(), r);
       } else {
         const ObjectEstimate first = model.first_seen(m.object, m.position);
         kalman.emplace(m.object, smoothing::KalmanSmoother<4>({first.state, first.covariance}));
@@ -215,7 +217,7 @@ FilterRun judge(const Estimates& estimates, const Scene& scene, double period) {
 RfsScene::RfsScene(const ScenarioSpec& spec) : parameters_(config::load<RfsSceneParameters>(spec.config)) {}
 
 std::vector<std::string> RfsScene::filters() const {
-  return {"gnn", "oracle"};
+  return {"gnn", kOracle, kDeadReckoning};
 }
 
 std::vector<std::string> RfsScene::metrics() const {
@@ -225,7 +227,8 @@ std::vector<std::string> RfsScene::metrics() const {
 
 void RfsScene::check(const FilterSpec& filter) const {
   if (filter.name == "gnn") static_cast<void>(config::load<filters::GnnTrackerParameters>(effective_config(filter)));
-  if (filter.name == "oracle") static_cast<void>(config::load<filters::ObjectModel>(effective_config(filter)));
+  if (filter.name == kOracle || filter.name == kDeadReckoning)
+    static_cast<void>(config::load<filters::ObjectModel>(effective_config(filter)));
 }
 
 std::vector<FilterRun> RfsScene::run(std::uint64_t seed, std::span<const FilterSpec> filters) const {
@@ -235,8 +238,8 @@ std::vector<FilterRun> RfsScene::run(std::uint64_t seed, std::span<const FilterS
     reset_peak_memory();
     const double begin = cpu_seconds();
     Estimates estimates;
-    if (spec.name == "oracle") {
-      estimates = run_oracle(config::load<filters::ObjectModel>(effective_config(spec)), scene);
+    if (spec.name == kOracle || spec.name == kDeadReckoning) {
+      estimates = follow_known(config::load<filters::ObjectModel>(effective_config(spec)), scene, spec.name == kOracle);
     } else {
       filters::GnnTracker tracker(config::load<filters::GnnTrackerParameters>(effective_config(spec)));
       estimates = run_filter(tracker, scene);

@@ -48,10 +48,10 @@ struct RfsSceneParameters {
   }
 };
 
-/// Filters: `gnn` (global nearest neighbour, the baseline) and `oracle` (Kalman filters that know which object each
-/// measurement belongs to, the limit). Figures are means over the scans: OSPA and its parts (p = 1, c = 100 m), the
-/// same from the eleventh scan on (`ospa_settled`), OSPA(2) over windows of 10 scans, GOSPA (p = 1, c = 100 m, alpha =
-/// 2), and the error of the number of objects.
+/// Filters: `gnn` (global nearest neighbour), `oracle` (Kalman filters that know which object each measurement belongs
+/// to, the limit) and `dead_reckoning` (each object stays where it was first measured). Figures are means over the
+/// scans: OSPA and its parts (p = 1, c = 100 m), the same from the eleventh scan on (`ospa_settled`), OSPA(2) over
+/// windows of 10 scans, GOSPA (p = 1, c = 100 m, alpha = 2), and the error of the number of objects.
 class RfsScene : public Scenario {
  public:
   explicit RfsScene(const ScenarioSpec&);

@@ -6,6 +6,7 @@
 #include "core/gaussian.hpp"
 #include "core/limits.hpp"
 #include "core/log_weights.hpp"
+#include "core/state_archive.hpp"
 
 namespace noctule::models {
 
@@ -120,10 +121,19 @@ class NoiseMixture {
     return result;
   }
 
+  void transfer(StateArchive& archive) {
+    archive(size_);
+    if (size_ < 0 || size_ > kMaxComponents) throw InputError("state: expected a mixture of few components");
+    for (int l = 0; l < size_; ++l) {
+      Prepared& p = components_[static_cast<std::size_t>(l)];
+      archive(p.mean, p.scale, p.precision, p.log_constant, p.inverse_dof, p.exponent, p.gaussian);
+    }
+  }
+
  private:
   struct Prepared {
-    VectorD<D> mean;
-    MatrixD<D> scale, precision;
+    VectorD<D> mean = VectorD<D>::Zero();
+    MatrixD<D> scale = MatrixD<D>::Identity(), precision = MatrixD<D>::Identity();
     double log_constant = 0.0, inverse_dof = 0.0, exponent = 0.0;
     bool gaussian = true;
   };

@@ -39,8 +39,13 @@ class Module {
   /// Calls `handler` with the core value of each message of the channel.
   template <bus::Message M, class Handler>
   void listen(const std::string& channel, Handler handler) {
+    listen_to_message<M>(channel, [handler = std::move(handler)](const M& m) { handler(convert::from_message(m)); });
+  }
+  /// Calls `handler` with each message of the channel as it is.
+  template <bus::Message M, class Handler>
+  void listen_to_message(const std::string& channel, Handler handler) {
     receptions_.push_back(&bus_.subscribe<M>(channel, [this, handler = std::move(handler)](const M& message) {
-      guard(message.utime, [&] { handler(convert::from_message(message)); });
+      guard(message.utime, [&] { handler(message); });
     }));
   }
 
@@ -63,10 +68,14 @@ class Module {
       bus_.publish(channel, convert::to_message(value));
     }
   }
-  /// Publishes a core value under the number it has.
+  /// Publishes a core value, or a message, under the number it has.
   template <class Value>
   void publish_as_numbered(const std::string& channel, const Value& value) {
-    bus_.publish(channel, convert::to_message(value));
+    if constexpr (bus::Message<Value>) {
+      bus_.publish(channel, value);
+    } else {
+      bus_.publish(channel, convert::to_message(value));
+    }
   }
 
   /// Publishes an encoded message as it is.

@@ -11,9 +11,10 @@ namespace noctule::modules {
 
 std::unique_ptr<Module> make_slam(bus::Bus& bus, const PipelineParameters& parameters, const KnownWorld& world,
                                   Threads threads) {
-  return std::make_unique<SlamModule>(bus, parameters.slam.value(),
-                                      SlamInput{.features = parameters.ultrasonic.has_value()}, parameters.seed,
-                                      world.start_in_map, threads.count);
+  return std::make_unique<SlamModule>(
+      bus, parameters.slam.value(),
+      SlamInput{.features = parameters.ultrasonic.has_value(), .camera = parameters.camera.has_value()},
+      parameters.seed, world.start_in_map, threads.count);
 }
 
 std::unique_ptr<Module> make_mapper(bus::Bus& bus, const PipelineParameters& parameters, const KnownWorld& world,
@@ -27,10 +28,15 @@ std::unique_ptr<Module> make_mapper(bus::Bus& bus, const PipelineParameters& par
 
 Pipeline::Pipeline(bus::Bus& bus, const PipelineParameters& parameters, Threads threads)
     : bus_(bus), parameters_(parameters) {
-  auto [source, world, notes] = make_source(bus, parameters.source, parameters.seed);
+  auto [source, world, notes] = make_source(bus, parameters);
   source_ = std::move(source);
   notes_ = std::move(notes);
   if (parameters.ultrasonic) modules_.push_back(std::make_unique<UltrasonicModule>(bus, *parameters.ultrasonic));
+  if (parameters.camera) {
+    auto camera = std::make_unique<CameraModule>(bus, *parameters.camera);
+    camera_ = camera.get();
+    modules_.push_back(std::move(camera));
+  }
   if (parameters.slam) modules_.push_back(make_slam(bus, parameters, world, threads));
   if (parameters.mapping) {
     if (parameters.slam) modules_.push_back(make_mapper(bus, parameters, world, PoseSource::slam));
@@ -63,6 +69,7 @@ report::RunData Pipeline::data() const {
   data.title = parameters_.name;
   data.seed = parameters_.seed;
   data.notes.insert(data.notes.end(), notes_.begin(), notes_.end());
+  if (camera_ != nullptr) data.camera = camera_->example();
   add_occupancy(data);
   add_timing(data);
   return data;

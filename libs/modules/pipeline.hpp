@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "bus/bus.hpp"
+#include "modules/camera_module.hpp"
 #include "modules/pipeline_parameters.hpp"
 #include "modules/recorder_module.hpp"
 #include "modules/source_module.hpp"
@@ -46,6 +47,7 @@ class Pipeline {
   PipelineParameters parameters_;
   std::unique_ptr<SourceModule> source_;
   std::vector<std::unique_ptr<Module>> modules_;
+  const CameraModule* camera_ = nullptr;  ///< one of them
   std::unique_ptr<RecorderModule> recorder_;
   std::vector<std::string> notes_;  ///< of the source
   double wall_seconds_ = 0.0;

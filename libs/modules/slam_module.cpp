@@ -1,5 +1,9 @@
 #include "modules/slam_module.hpp"
 
+#include <algorithm>
+#include <limits>
+
+#include "core/error.hpp"
 #include "modules/names.hpp"
 #include "noctule/contour_features.hpp"
 #include "noctule/landmark_detections.hpp"
@@ -21,16 +25,35 @@ SlamModule::SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, co
     : Module(bus, name::kSlam),
       parameters_(parameters),
       input_(input),
-      filter_(filters::make_slam_filter(parameters.filter, seed, start, threads)) {
+      identity_{parameters.filter, seed},
+      filter_(filters::make_slam_filter(parameters.filter, seed, start, threads)),
+      seen_until_(std::numeric_limits<std::int64_t>::min()) {
+  if (!parameters.load_state.empty()) {
+    seen_until_ = load_filter_state(parameters.load_state, *filter_, identity_);
+    resumed_at_ = seen_until_;
+  }
+  if (parameters.prior) begin_on(*parameters.prior, start);
   listen<odometry>(bus::channel::kOdometry, [this](const Odometry& o) { take(o); });
   listen<landmark_detections>(bus::channel::kLandmarkDetections, [this](const LandmarkDetections& d) { take(d); });
   listen<ultrasonic_scan>(bus::channel::kUltrasonicScan, [this](const UltrasonicScan& scan) { take(scan); });
+  std::set<std::string> awaited{name::kSource};
   if (input.features) {
     listen<contour_features>(bus::channel::kContourFeatures, [this](const ContourFeatures& f) { take_features(f); });
-    finish_after({name::kSource, name::kUltrasonic});
-  } else {
-    finish_after({name::kSource});
+    awaited.insert(name::kUltrasonic);
   }
+  if (input.camera) awaited.insert(name::kCamera);
+  finish_after(std::move(awaited));
+}
+
+void SlamModule::begin_on(const PriorMapParameters& prior, const Pose2& start) {
+  LandmarkMap map = load_state_map(prior.map);
+  try {
+    if (!prior.relocalise) return filter_->begin_on(map, {{}, {{start, 1.0}}});
+    localisation_.emplace(map, prior.localisation, prior.sightings, identity_.seed);
+  } catch (const InputError& e) {
+    throw InputError(prior.map.string() + ": " + e.what());
+  }
+  prior_ = std::move(map);
 }
 
 void SlamModule::take(Input input) {
@@ -69,15 +92,34 @@ void SlamModule::process_waiting(const ContourFeatures* features) {
   for (std::size_t i = 1; i < inputs.size(); ++i) process(inputs[i], {});
 }
 
+/// \return whether the robot has not been found before this
+bool SlamModule::localise(const Input& input) {
+  if (!localisation_) return false;
+  if (const auto* motion = std::get_if<Odometry>(&input)) {
+    localisation_->predict(*motion);
+  } else if (const auto* detections = std::get_if<LandmarkDetections>(&input)) {
+    localisation_->update(*detections);
+    publish_estimate(localisation_->estimate(), localisation_->cloud(parameters_.particles_shown));
+    if (localisation_->settled()) {
+      filter_->begin_on(*prior_, localisation_->cloud(std::numeric_limits<int>::max()));
+      localisation_.reset();
+    }
+  }
+  return true;
+}
+
 void SlamModule::process(const Input& input, const ContourFeatures& features) {
+  const std::int64_t utime = std::visit([](const auto& o) { return o.stamp.utime; }, input);
+  if (resumed_at_ && utime <= *resumed_at_) return;
+  seen_until_ = std::max(seen_until_, utime);
+  if (localise(input)) return;
   if (const auto* motion = std::get_if<Odometry>(&input)) return filter_->predict(*motion);
   if (const auto* scan = std::get_if<UltrasonicScan>(&input)) filter_->update(*scan, features);
   if (const auto* detections = std::get_if<LandmarkDetections>(&input)) filter_->update(*detections);
-  publish_estimate();
+  publish_estimate(filter_->estimate(), filter_->particles(parameters_.particles_shown));
 }
 
-void SlamModule::publish_estimate() {
-  const SlamEstimate estimate = filter_->estimate();
+void SlamModule::publish_estimate(const SlamEstimate& estimate, const ParticleCloud& particles) {
   publish(bus::channel::kSlamEstimate, estimate);
   mean_nis_ += (estimate.nis - mean_nis_) / kNisMemory;
   if (mean_nis_ > kSurprisingNis) {
@@ -89,7 +131,7 @@ void SlamModule::publish_estimate() {
          "either it is larger, or the pose or the map is wrong");
   }
   if (parameters_.particles_shown > 0) {
-    publish(bus::channel::kSlamParticles, filter_->particles(parameters_.particles_shown));
+    publish(bus::channel::kSlamParticles, particles);
   }
   const std::int64_t utime = estimate.stamp.utime;
   if (!map_utime_) map_utime_ = utime;
@@ -112,6 +154,8 @@ void SlamModule::on_finish() {
     process_waiting(nullptr);
   }
   publish_map();
+  if (localisation_) warn("the robot was not found on the map of the earlier run");
+  if (!parameters_.save_state.empty()) save_filter_state(parameters_.save_state, *filter_, identity_, seen_until_);
 }
 
 }  // namespace noctule::modules

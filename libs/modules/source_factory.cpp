@@ -38,6 +38,16 @@ SourcePointer open(const datasets::VictoriaParkParameters& p, std::uint64_t) {
   return std::make_unique<datasets::VictoriaPark>(p);
 }
 
+SourcePointer open(const datasets::ImageFolderParameters& p, std::uint64_t) {
+  return datasets::open_images(p);
+}
+SourcePointer open(const datasets::VideoParameters& p, std::uint64_t) {
+  return datasets::open_video(p);
+}
+SourcePointer open(const datasets::CameraDeviceParameters& p, std::uint64_t) {
+  return datasets::open_camera(p);
+}
+
 std::vector<std::string> notes_of(const ObservationSource& source) {
   const auto* recorded = dynamic_cast<const datasets::RecordedSource*>(&source);
   return recorded != nullptr ? recorded->notes() : std::vector<std::string>{};
@@ -54,19 +64,20 @@ KnownWorld world_of(const LogParameters& p) {
 
 }  // namespace
 
-SourceAndWorld make_source(bus::Bus& bus, const SourceParameters& parameters, std::uint64_t seed) {
+SourceAndWorld make_source(bus::Bus& bus, const PipelineParameters& pipeline) {
   return std::visit(
       [&]<class P>(const P& p) -> SourceAndWorld {
         if constexpr (std::is_same_v<P, LogParameters>) {
-          return {std::make_unique<LogModule>(bus, p.path), world_of(p), {}};
+          return {std::make_unique<LogModule>(bus, p.path, p.sightings), world_of(p), {}};
         } else {
-          SourcePointer source = open(p, seed);
+          SourcePointer source = open(p, pipeline.seed);
           KnownWorld world = source->world();
           std::vector<std::string> notes = notes_of(*source);
-          return {std::make_unique<ObservationModule>(bus, std::move(source)), std::move(world), std::move(notes)};
+          return {std::make_unique<ObservationModule>(bus, std::move(source), pipeline.jpeg_quality), std::move(world),
+                  std::move(notes)};
         }
       },
-      parameters);
+      pipeline.source);
 }
 
 KnownWorld known_world(const SourceParameters& parameters) {

@@ -16,8 +16,9 @@ struct SourceAndWorld {
   std::vector<std::string> notes;  ///< what the reader left out or repaired
 };
 
+/// The source of a pipeline file.
 /// \throws InputError when the recording cannot be opened or read
-[[nodiscard]] SourceAndWorld make_source(bus::Bus& bus, const SourceParameters& parameters, std::uint64_t seed);
+[[nodiscard]] SourceAndWorld make_source(bus::Bus& bus, const PipelineParameters& pipeline);
 
 /// What make_source() would know, for modules that run apart from the source.
 [[nodiscard]] KnownWorld known_world(const SourceParameters& parameters);

@@ -1,5 +1,6 @@
 #pragma once
-/// Modules that put observations on the bus: ODOMETRY, ULTRASONIC_SCAN, LANDMARK_DETECTIONS, GROUND_TRUTH.
+/// Modules that put observations on the bus: ODOMETRY, ULTRASONIC_SCAN, LANDMARK_DETECTIONS, GROUND_TRUTH,
+/// CAMERA_IMAGE.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -29,13 +30,16 @@ class SourceModule : public Module {
 /// Publishes a simulator or a data set.
 class ObservationModule : public SourceModule {
  public:
-  ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source);
+  /// \param jpeg_quality of pictures on the bus, from 1 to 100; 0: raw
+  ObservationModule(bus::Bus& bus, std::unique_ptr<ObservationSource> source, int jpeg_quality = 0);
   [[nodiscard]] std::optional<std::int64_t> next_utime() override;
 
  private:
   void publish_next() override;
+  void publish_as_jpeg(const CameraImage& image);
 
   std::unique_ptr<ObservationSource> source_;
+  int jpeg_quality_;
   std::optional<Observation> next_;
   bool ended_ = false;
 };
@@ -43,8 +47,9 @@ class ObservationModule : public SourceModule {
 /// Publishes the observations in an LCM log again, as they were; what modules made of them is passed over.
 class LogModule : public SourceModule {
  public:
+  /// \param sightings whether LANDMARK_DETECTIONS are among what is published
   /// \throws InputError when the file cannot be opened
-  LogModule(bus::Bus& bus, const std::filesystem::path& log);
+  LogModule(bus::Bus& bus, const std::filesystem::path& log, bool sightings = true);
   [[nodiscard]] std::optional<std::int64_t> next_utime() override;
 
  private:
@@ -52,6 +57,7 @@ class LogModule : public SourceModule {
   void read_next();
 
   bus::LogReader reader_;
+  bool sightings_;
   std::optional<bus::LogEvent> next_;  ///< decodable; its utime is the message's own
   std::int64_t events_ = 0;
 };

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/state_archive.hpp"
+
 namespace noctule::particle {
 
 /// Histories of N particles as a tree: what descendants share is stored once, and branches without living descendants
@@ -55,6 +57,16 @@ class Genealogy {
     }
     std::ranges::reverse(result);
     return result;
+  }
+
+  /// \param value lists the members of an entry
+  template <class Value>
+  void transfer(StateArchive& archive, const Value& value) {
+    archive.each(nodes_, Node{}, [&](Node& node) {
+      value(node.value);
+      archive(node.parent, node.references);
+    });
+    archive(unused_, leaves_, founders_, distinct_founders_);
   }
 
   /// How many of the first particles still have descendants.

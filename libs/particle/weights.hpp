@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "core/state_archive.hpp"
+
 namespace noctule::particle {
 
 /// N log weights that always sum to one.
@@ -32,6 +34,8 @@ class Weights {
   [[nodiscard]] double effective_sample_size() const;
   /// How often all likelihoods were 0 so far.
   [[nodiscard]] std::int64_t collapses() const { return collapses_; }
+
+  void transfer(StateArchive& archive) { archive(log_, collapses_); }
 
  private:
   void check(std::span<const double> logs) const;

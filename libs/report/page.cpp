@@ -2,6 +2,7 @@
 
 #include "eval/published_contours.hpp"
 #include "report/assets.hpp"
+#include "report/camera_figure.hpp"
 #include "report/document.hpp"
 #include "report/json.hpp"
 #include "report/key_figures.hpp"
@@ -129,6 +130,14 @@ std::string contour_section(const RunData& data) {
                  content);
 }
 
+std::string camera_section(const RunData& data) {
+  if (!data.camera) return {};
+  return section("What the camera saw",
+                 "The image with the most landmarks, at " + fixed(data.camera->time, 1) +
+                     " s: their outlines, numbers and distances.",
+                 "<div class=\"pair\">\n<figure>" + camera_figure(*data.camera) + "</figure>\n</div>\n");
+}
+
 std::string run_section(const RunData& data) {
   std::string beside = timing_table(data);
   if (!data.config_yaml.empty()) beside += folded("Effective configuration", data.config_yaml);
@@ -145,7 +154,7 @@ std::string page(const RunData& data) {
   std::vector<Chart> all = errors;
   all.insert(all.end(), health.begin(), health.end());
   const std::string body =
-      key_figures(data) + map_section(data) +
+      key_figures(data) + map_section(data) + camera_section(data) +
       chart_section("Errors over time", "Shaded: three standard deviations by the filter's own account.", errors) +
       contour_section(data) +
       chart_section("Health of the filter",

@@ -240,7 +240,8 @@ std::string plot_svg(const Plot& plot, const std::string& standalone_style) {
 
 std::string plot_html(const Plot& plot) {
   return "<figure class=\"result-plot\" id=\"" + plot.id + "\">\n<figcaption><b>" + escape(plot.title) +
-         "</b></figcaption>\n" + plot_svg(plot) + "</figure>\n";
+         "</b></figcaption>\n" + plot_svg(plot) +
+         (plot.note.empty() ? "" : "<p class=\"note\">" + escape(plot.note) + "</p>\n") + "</figure>\n";
 }
 
 std::string printed_figure_style() {

@@ -34,6 +34,7 @@ struct Plot {
   std::string id;  ///< unique on the page, fit for a file name
   std::string title;
   std::string description;
+  std::string note;              ///< under the drawing on a page; may be empty
   std::string x_title, y_title;  ///< with their units
   std::vector<PlotSeries> series;
   std::vector<PlotLine> lines;

@@ -7,6 +7,7 @@
 
 #include "core/contour.hpp"
 #include "core/estimate.hpp"
+#include "core/image.hpp"
 #include "core/source.hpp"
 #include "eval/contour_error.hpp"
 #include "eval/metrics.hpp"
@@ -28,6 +29,21 @@ struct OccupancyImage {
   double resolution = 0.0;           ///< [m] side of a cell
   Vector2 origin = Vector2::Zero();  ///< [m] lower left corner of cell (0, 0), map frame
   std::vector<float> occupancy;      ///< in [0, 1]; anything else (NaN, -1) is unknown
+};
+
+/// A landmark that a camera saw.
+struct SeenLandmark {
+  std::int64_t id = -1;
+  double range = 0.0;            ///< [m] from the camera
+  double bearing = 0.0;          ///< [rad] left positive
+  std::vector<Vector2> outline;  ///< in the image, closed [pixels]
+};
+
+/// An image and what was found in it.
+struct CameraExample {
+  double time = 0.0;  ///< [s] of its stamp
+  Image image;
+  std::vector<SeenLandmark> landmarks;
 };
 
 /// What a module said of itself at the end of the run: message counts over all channels that it listens to.
@@ -68,6 +84,7 @@ struct RunData {
   LandmarkMap landmarks;
   bool landmark_ids_known = true;  ///< the landmarks' ids are those of `world`; else errors pair them by distance
   std::optional<OccupancyImage> occupancy;
+  std::optional<CameraExample> camera;
 
   // Figures.
   std::vector<eval::Metric> metrics;  ///< computed from the data alone: equal for equal seeds

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/observations.hpp"
 #include "core/parameters.hpp"
 #include "core/pose2.hpp"
 #include "models/noise_schedule.hpp"
@@ -99,6 +100,8 @@ struct LandmarkSensorParameters {
   double outlier_factor = 5.0;
   double clutter = 0.0;
   bool known_ids = true;
+  DetectionKind kind = DetectionKind::range_bearing;
+  double whole = 0.0;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -113,6 +116,13 @@ struct LandmarkSensorParameters {
             positive());
     v.field("clutter", &P::clutter, unit::one, "mean number of sightings of nothing in one scan", between(0.0, 1000.0));
     v.field("known_ids", &P::known_ids, "whether sightings carry the landmark's number");
+    v.choice("kind", &P::kind,
+             Choices<DetectionKind>{{"range_bearing", DetectionKind::range_bearing},
+                                    {"bearing_only", DetectionKind::bearing_only},
+                                    {"range_only", DetectionKind::range_only}},
+             "what sightings measure");
+    v.field("whole", &P::whole, unit::one, "share of sightings that measure range and bearing whatever the kind",
+            between(0.0, 1.0));
   }
   /// Empty when the stages follow each other in time.
   [[nodiscard]] std::string validate() const;

@@ -15,6 +15,7 @@ namespace {
 constexpr std::uint64_t kControl = stream_id("sim.control");
 constexpr std::uint64_t kMeasurement = stream_id("sim.measurement");
 constexpr std::uint64_t kOutlier = stream_id("sim.outlier");
+constexpr std::uint64_t kWhole = stream_id("sim.whole");
 constexpr std::uint64_t kClutter = stream_id("sim.clutter");
 
 const LandmarkWorldParameters& sound(const LandmarkWorldParameters& p) {
@@ -141,6 +142,7 @@ LandmarkDetections LandmarkWorld::look() {
     known.covariance *= factor * factor;
     known.id = landmark.id;
     if (sensor.known_ids) told.id = landmark.id;
+    reduce(told, Rng(seed_, kWhole, scan, slot).uniform() < sensor.whole);
   }
   add_clutter(message);
   ++scans_;
@@ -155,7 +157,21 @@ void LandmarkWorld::add_clutter(LandmarkDetections& message) const {
   for (double time = -std::log(rng.uniform()); time < sensor.clutter; time -= std::log(rng.uniform())) {
     const double range = sensor.max_range * std::sqrt(rng.uniform());
     message.detections.push_back(sighting(range, rng.uniform(-kPi / 2, kPi / 2)));
+    const auto slot = static_cast<std::uint32_t>(message.detections.size());
+    reduce(message.detections.back(),
+           Rng(seed_, kWhole, ~static_cast<std::uint64_t>(scans_), slot).uniform() < sensor.whole);
   }
+}
+
+/// To what sightings of its kind measure.
+void LandmarkWorld::reduce(LandmarkDetection& d, bool whole) const {
+  const DetectionKind kind = scene_->sensor.kind;
+  if (whole || kind == DetectionKind::range_bearing) return;
+  d.kind = kind;
+  const Eigen::Index lost = kind == DetectionKind::bearing_only ? 0 : 1;
+  (lost == 0 ? d.range : d.bearing) = 0.0;
+  d.covariance.row(lost).setZero();
+  d.covariance.col(lost).setZero();
 }
 
 LandmarkDetection LandmarkWorld::sighting(double range, double bearing) const {

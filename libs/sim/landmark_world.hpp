@@ -54,8 +54,8 @@ class LandmarkWorld : public ObservationSource {
   [[nodiscard]] std::optional<Observation> next() override;
   [[nodiscard]] const KnownWorld& world() const override { return scene_->known; }
   /// The latest LandmarkDetections as somebody knows them who knows the simulator: the same ranges and bearings in the
-  /// same order, but without clutter, with true identities, and with the covariance of their own noise, outliers'
-  /// included.
+  /// same order, whatever the kind of sightings, but without clutter, with true identities, and with the covariance of
+  /// their own noise, outliers' included.
   [[nodiscard]] const LandmarkDetections& informed() const { return informed_; }
 
  private:
@@ -63,6 +63,7 @@ class LandmarkWorld : public ObservationSource {
   [[nodiscard]] LandmarkDetections look();
   void add_clutter(LandmarkDetections&) const;
   [[nodiscard]] LandmarkDetection sighting(double range, double bearing) const;
+  void reduce(LandmarkDetection&, bool whole) const;
   [[nodiscard]] std::int64_t utime() const;
 
   std::shared_ptr<const LandmarkScene> scene_;

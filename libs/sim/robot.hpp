@@ -1,5 +1,6 @@
 #pragma once
-/// What a simulated robot is made of: its drive, its odometry and its ultrasonic rangers.
+/// What a simulated robot is made of: its drive, its odometry, its ultrasonic rangers and its camera.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "models/noise_schedule.hpp"
 #include "models/odometry.hpp"
 #include "models/ultrasonic.hpp"
+#include "sim/camera_parameters.hpp"
 
 namespace noctule::sim {
 
@@ -168,6 +170,7 @@ struct RobotParameters {
   DriveParameters drive;
   models::OdometryNoise odometry;
   SonarParameters sonar;
+  std::optional<CameraParameters> camera;
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -176,6 +179,7 @@ struct RobotParameters {
     v.group("drive", &RobotParameters::drive, "how it moves");
     v.group("odometry", &RobotParameters::odometry, "noise of the wheel odometry");
     v.group("sonar", &RobotParameters::sonar, "ultrasonic rangers");
+    v.group("camera", &RobotParameters::camera, "absent: none");
   }
 };
 

@@ -1,18 +1,21 @@
 #pragma once
-/// A robot with ultrasonic rangers in a polygonal room: the sequence of what it measures.
+/// A robot with ultrasonic rangers, and perhaps a camera, in a polygonal room: the sequence of what it measures.
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
 #include "core/source.hpp"
+#include "sim/camera.hpp"
 #include "sim/drive.hpp"
 #include "sim/sonar.hpp"
 
 namespace noctule::sim {
 
 /// Yields an Odometry and the GroundTruth after each motion, and at each stop, when the scan is complete, the
-/// GroundTruth and the UltrasonicScan. The true motion is the same for every seed; odometry and ranges are noisy, and
-/// the covariance reported with an increment is that of the noise in it.
+/// GroundTruth and the UltrasonicScan. A camera adds a CameraImage, at each stop or while moving. The true motion is
+/// the same for every seed; odometry and ranges are noisy, and the covariance reported with an increment is that of the
+/// noise in it.
 class Simulator : public ObservationSource {
  public:
   /// \throws InputError when the parameters are not sound
@@ -22,8 +25,9 @@ class Simulator : public ObservationSource {
   [[nodiscard]] const KnownWorld& world() const override { return known_; }
 
  private:
-  [[nodiscard]] Observation move();
-  [[nodiscard]] Observation listen();
+  void move();
+  void listen();
+  [[nodiscard]] CameraImage shoot(const Motion* motion);
   [[nodiscard]] GroundTruth truth();
   [[nodiscard]] std::int64_t utime() const;
 
@@ -41,7 +45,10 @@ class Simulator : public ObservationSource {
   int scans_due_;  // at this stop
   std::int64_t scans_ = 0;
   std::int64_t truths_ = 0;
-  std::optional<Observation> held_back_;  // of the same utime as the latest
+  std::optional<Camera> camera_;
+  double next_picture_ = 0.0;  // not before this time [s]
+  std::int64_t pictures_ = 0;
+  std::deque<Observation> ready_;  // of the same utime
 };
 
 }  // namespace noctule::sim

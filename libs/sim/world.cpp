@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "sim/room_geometry.hpp"
+#include "sim/wall_pictures.hpp"
 
 namespace noctule::sim {
 namespace {
@@ -35,6 +36,11 @@ std::string check_way(const RoomGeometry& room, const Vector2& a, const Vector2&
 std::string RoomParameters::validate() const {
   try {
     const RoomGeometry geometry(*this);
+    static_cast<void>(hang_pictures(*this, geometry));
+    for (const CylinderParameters& c : cylinders) {
+      if (c.colour.size() == 3) continue;
+      return "cylinders.colour_rgb: expected red, green and blue, got " + std::to_string(c.colour.size()) + " numbers";
+    }
   } catch (const InputError& error) {
     return error.what();
   }

@@ -247,7 +247,7 @@ void LandmarkSmoother::predict(const Odometry& odometry) {
 }
 
 void LandmarkSmoother::update(const LandmarkDetections& message) {
-  check(message);
+  check_whole(message);
   for (const LandmarkDetection& d : message.detections) {
     if (d.id < 0) {
       throw InputError("landmark detections " + std::to_string(message.stamp.seq) +

@@ -30,6 +30,7 @@ void publish_round(bus::Bus& bus, convert::RandomValues& random, std::int64_t se
   publish(bus, channel::kUltrasonicScan, to_message(random.ultrasonic_scan()), seq);
   publish(bus, channel::kLandmarkDetections, to_message(random.landmark_detections()), seq);
   publish(bus, channel::kGroundTruth, to_message(random.ground_truth()), seq);
+  publish(bus, channel::kCameraImage, to_message(random.camera_image()), seq);
   publish(bus, channel::kContourFeatures, to_message(random.contour_features()), seq);
   publish(bus, channel::kSlamEstimate, to_message(random.slam_estimate()), seq);
   publish(bus, channel::kSlamPath, to_message(random.path_estimate()), seq);

@@ -8,7 +8,7 @@ TYPES = {
     "ODOMETRY": "odometry", "ULTRASONIC_SCAN": "ultrasonic_scan", "LANDMARK_DETECTIONS": "landmark_detections",
     "GROUND_TRUTH": "ground_truth", "CONTOUR_FEATURES": "contour_features", "SLAM_ESTIMATE": "slam_estimate",
     "SLAM_PATH": "path_estimate", "SLAM_PARTICLES": "particles", "SLAM_MAP": "landmark_map",
-    "CONTOUR_MAP": "contour_map",
+    "CONTOUR_MAP": "contour_map", "CAMERA_IMAGE": "camera_image",
 }
 
 
@@ -28,7 +28,7 @@ def main(python_dir, log):
     for utime, channel, data in events(log):
         message = getattr(noctule, TYPES[channel]).decode(data)
         assert message.utime == utime, channel
-        assert message.frame in ("base_link", "map"), channel
+        assert message.frame in ("base_link", "map", "camera_optical"), channel
         assert message.encode() == data, channel
         seen.add(channel)
     assert seen == set(TYPES), seen

@@ -130,6 +130,7 @@ TEST_F(ExperimentRun, BadInputEndsWithTwoAndOneLine) {
   const std::vector<std::vector<std::string>> cases{
       command("run", {"--out", path("x"), "--shard", "4"}),
       command("run", {"--out", path("x"), "--shard", "4/4"}),
+      command("run", {"--out", path("x")}, "10-5"),
       command("run", {"--out", path("x"), "--set", "filters[0].name=god"}),
       command("run", {"--out", path("x"), "--set", "metrics=[eror]"}),
       command("run", {"--out", path("x"), "--set", "scenarios[0].kind=moon"}),

@@ -1,8 +1,14 @@
 /// noctule-pipeline: repeatable to the byte, interruptible, and a log that brings a run back.
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
+#include "noctule/camera_image.hpp"
+#include "noctule/landmark_detections.hpp"
 #include "noctule/module_status.hpp"
 #include "noctule/slam_estimate.hpp"
+#include "noctule/ultrasonic_scan.hpp"
 #include "system/pipeline_setup.hpp"
 
 namespace noctule::system_test {
@@ -43,6 +49,41 @@ TEST_F(PipelineRun, SameSeedSameBytesWhateverTheThreads) {
     EXPECT_TRUE(bytes == read_file(again / file)) << file << " differs in a second run";
     EXPECT_TRUE(bytes == read_file(two / file)) << file << " differs with two threads";
   }
+}
+
+/// Pictures and echoes in one run, the whole way from pixels to the map.
+TEST_F(PipelineRun, SeesAndHearsInOneFilterRepeatably) {
+  const std::vector<std::string> arguments = {kSource + "/config/pipelines/heptagon_camera.yaml",
+                                              "--seed",
+                                              "7",
+                                              "--set",
+                                              "source.world.path.loops=1",
+                                              "--set",
+                                              "slam.filter.particles=30"};
+  std::vector<std::string> two_threads = arguments;
+  two_threads.insert(two_threads.end(), {"--threads", "2"});
+  const fs::path first = run_into("first", arguments), two = run_into("two", two_threads);
+  for (const std::string& file : repeatable(first)) {
+    EXPECT_TRUE(read_file(first / file) == read_file(two / file)) << file << " differs with two threads";
+  }
+  const auto seen = messages_in<landmark_detections>(first / "run.lcmlog", "LANDMARK_DETECTIONS");
+  const auto heard = messages_in<ultrasonic_scan>(first / "run.lcmlog", "ULTRASONIC_SCAN");
+  EXPECT_EQ(seen.size(), heard.size()) << "a picture at each stop";
+  std::set<std::int64_t> signs;
+  for (const auto& message : seen) {
+    for (const auto& d : message.detections) signs.insert(d.id);
+  }
+  EXPECT_GE(signs.size(), 7u) << "of eight";
+  std::map<std::string, module_status> last;
+  for (const auto& status : messages_in<module_status>(first / "run.lcmlog", "MODULE_STATUS")) {
+    last[status.module] = status;
+  }
+  EXPECT_EQ(last["camera"].state, module_status::STATE_FINISHED);
+  for (const auto& [module, status] : last) {
+    EXPECT_EQ(status.missed + status.duplicates + status.late + status.dropped + status.errors, 0) << module;
+  }
+  EXPECT_TRUE(messages_in<camera_image>(first / "run.lcmlog", "CAMERA_IMAGE").empty()) << "not asked for";
+  EXPECT_NE(read_file(first / "report.html").find("What the camera saw"), std::string::npos);
 }
 
 TEST_F(PipelineRun, AnotherSeedIsAnotherRun) {

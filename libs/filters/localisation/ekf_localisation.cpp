@@ -68,7 +68,7 @@ std::vector<const KnownLandmark*> EkfLocalisation::associate(const LandmarkDetec
 }
 
 void EkfLocalisation::update(const LandmarkDetections& message) {
-  check(message);
+  check_whole(message);
   const std::vector<const KnownLandmark*> landmarks = associate(message);
   double sum = 0.0;
   int dof = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "core/state_archive.hpp"
 #include "filters/noise/noise_residual.hpp"
 #include "filters/noise/parameters.hpp"
 #include "models/noise_mixture.hpp"
@@ -25,6 +26,10 @@ class EmNoise {
   void update(std::span<const NoiseResidual<D>> residuals, int iterations);
 
   [[nodiscard]] models::NoiseMixture<D> mixture() const;
+
+  void transfer(StateArchive& archive) {
+    for (Component& c : components_) archive(c.n, c.first, c.second);
+  }
 
  private:
   struct Component {

@@ -43,6 +43,13 @@ class NoiseModel {
   /// A standard Gaussian while nothing is learned.
   [[nodiscard]] const models::NoiseMixture<D>& mixture() const { return mixture_; }
 
+  /// What has been learned.
+  void transfer(StateArchive& archive) {
+    if (auto* em = std::get_if<EmNoise<D>>(&state_)) archive(*em);
+    if (auto* vb = std::get_if<VbNoise<D>>(&state_)) archive(*vb);
+    prepare();
+  }
+
  private:
   void prepare() {
     if (const auto* em = std::get_if<EmNoise<D>>(&state_)) mixture_ = em->mixture();

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "core/state_archive.hpp"
 #include "filters/noise/noise_residual.hpp"
 #include "filters/noise/parameters.hpp"
 #include "models/noise_mixture.hpp"
@@ -34,6 +35,10 @@ class VbNoise {
 
   /// Predictive distribution of the next residual, and expected precisions.
   [[nodiscard]] models::NoiseMixture<D> mixture() const;
+
+  void transfer(StateArchive& archive) {
+    for (Component& c : components_) archive(c.alpha, c.beta, c.nu, c.m, c.inverse_w);
+  }
 
   [[nodiscard]] std::span<const Component> components() const { return {components_.data(), size_}; }
   [[nodiscard]] std::span<const Component> prior() const { return {prior_.data(), size_}; }

@@ -8,6 +8,7 @@
 #include "core/estimate.hpp"
 #include "core/features.hpp"
 #include "core/gaussian.hpp"
+#include "core/state_archive.hpp"
 #include "filters/noise/noise_residual.hpp"
 #include "filters/slam/parameters.hpp"
 #include "models/noise_mixture.hpp"
@@ -123,6 +124,20 @@ class ContourLandmark {
   [[nodiscard]] LandmarkEstimate estimate() const;
 
   [[nodiscard]] LandmarkKind kind() const { return kind_; }
+
+  /// f(hypothesis) of what the landmark is, or while that is open, of what is likelier.
+  template <class F>
+  decltype(auto) with_likelier(const F& f) const {
+    const bool wall = kind_ == LandmarkKind::wall || (kind_ == LandmarkKind::undecided && log_ratio_ > 0.0);
+    return wall ? f(wall_) : f(circle_);
+  }
+
+  /// To be read into.
+  ContourLandmark() : id_(0), born_at_(0) {}
+  void transfer(StateArchive& archive) {
+    archive(id_, kind_, wall_.anchor, wall_.mean, wall_.covariance, wall_.normal, circle_.mean, circle_.covariance,
+            log_ratio_, observations_, born_at_, seen_at_, stops_seen_);
+  }
 
  private:
   /// Of any hypothesis.

@@ -16,6 +16,24 @@ struct EchoResidual {
   double noise = 0.0;                      ///< variance the gain was made of; 0: clutter
 };
 
+/// Motion of all particles since the last observation, whitened: mean + root u, u standard normal (three numbers).
+struct WhitenedMotion {
+  explicit WhitenedMotion(const PoseGaussian& motion) : mean(motion.mean), root(square_root<3>(motion.covariance)) {}
+  /// The pose a particle moves to.
+  [[nodiscard]] Pose2 moved(const Pose2& from, const Vector3& u) const {
+    const Vector3 d = root * u;
+    return from * Pose2{mean.x + d[0], mean.y + d[1], mean.yaw + d[2]};
+  }
+  Pose2 mean;
+  Matrix3 root;
+};
+
+/// A pose drawn for a particle, and the log of the density it had in the motion prior over that in the proposal.
+struct DrawnPose {
+  Pose2 pose;
+  double log_correction;
+};
+
 class ContourObservation {
  public:
   /// \param noise of ranges, to outlive this object; none: Gaussian with the nominal variance
@@ -26,6 +44,14 @@ class ContourObservation {
                      const ParticleSlamParameters& parameters, const models::NoiseMixture<1>* noise = nullptr);
 
   [[nodiscard]] std::size_t echoes() const { return pings_.size(); }
+
+  /// Draws the pose of a particle given the echoes, as FastSLAM 2 does: a Gaussian of the motion, updated by the echoes
+  /// of each landmark in the map, with the landmark's uncertainty, which the echoes of one landmark share. Only a
+  /// proposal: the correction makes up for whatever is not Gaussian or not well associated.
+  /// \param before pose of the particle at the last observation
+  /// \param assigned scratch
+  DrawnPose draw_pose(const Pose2& before, const WhitenedMotion& motion, const std::vector<ContourLandmark>& map,
+                      std::vector<std::int32_t>& assigned, Rng rng) const;
 
   /// Gives each echo to the landmark that explains it best, or to clutter; each enters at most one landmark, once.
   /// Then starts landmarks from those features whose echoes of this scan are mostly unexplained and that lie apart from

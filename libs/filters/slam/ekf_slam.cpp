@@ -5,15 +5,17 @@
 
 #include "core/assignment.hpp"
 #include "core/check.hpp"
+#include "core/chi2.hpp"
 #include "core/error.hpp"
 #include "core/limits.hpp"
 #include "filters/checks.hpp"
+#include "filters/slam/joint_compatibility.hpp"
 #include "models/range_bearing.hpp"
 
 namespace noctule::filters {
 
 EkfSlam::EkfSlam(const EkfSlamParameters& parameters, const Pose2& start)
-    : parameters_(parameters), mean_(start.vector()), covariance_(Eigen::MatrixXd::Zero(3, 3)) {
+    : rule_(parameters.sightings), mean_(start.vector()), covariance_(Eigen::MatrixXd::Zero(3, 3)) {
   require_sound(parameters, "EKF-SLAM");
   if (!start.finite()) throw InputError("EKF-SLAM: start: expected a finite pose");
   estimate_.pose = start;
@@ -63,11 +65,18 @@ void EkfSlam::update(const LandmarkDetections& message) {
 EkfSlam::Match EkfSlam::match(const LandmarkDetection& z, std::size_t landmark) const {
   const Pose2 base = pose(), sensor = base * sensor_in_base_;
   const Vector2 m = position(landmark);
-  const Innovation v = innovation<double>({.range = z.range, .bearing = wrap(z.bearing)}, sensor, m.x(), m.y());
-  Match result{landmark, {v.range, v.bearing}, {}, z.covariance};
+  const Sighting sighting(z, 0);
+  const Innovation v = innovation<double>(sighting, sensor, m.x(), m.y());
+  Match result{landmark, {v.range, v.bearing}, {}, {}, sighting.numbers()};
   // The pose itself is the motion, in the frame of the map.
   result.jacobian.leftCols<3>() = by_motion(v, {1.0, 0.0}, sensor.position() - base.position());
   result.jacobian.rightCols<2>() << v.ux, v.uy, -v.inverse_range * v.uy, v.inverse_range * v.ux;
+  result.noise << sighting.rr, sighting.rb, sighting.rb, sighting.bb;
+  if (!sighting.is_whole()) {
+    const Eigen::Index unmeasured = z.kind == DetectionKind::bearing_only ? 0 : 1;
+    result.innovation[unmeasured] = 0.0;
+    result.jacobian.row(unmeasured).setZero();
+  }
   return result;
 }
 
@@ -79,6 +88,12 @@ Matrix2 EkfSlam::innovation_covariance(const Match& m) const {
   return m.jacobian * p * m.jacobian.transpose() + m.noise;
 }
 
+/// Squared Mahalanobis distance, as of two numbers.
+double EkfSlam::distance2(const Match& m) const {
+  const auto llt = cholesky<2>(innovation_covariance(m));
+  return llt.matrixL().solve(m.innovation).squaredNorm() * (m.numbers == 2 ? 1.0 : rule_.one_number);
+}
+
 void EkfSlam::associate(const LandmarkDetections& message) {
   matches_.clear();
   new_.clear();
@@ -88,7 +103,10 @@ void EkfSlam::associate(const LandmarkDetections& message) {
     if (z.id < 0) {
       unnamed.push_back(k);
     } else if (const auto found = named_.find(z.id); found != named_.end()) {
-      matches_.push_back(match(z, found->second));
+      const Match m = match(z, found->second);
+      if (rule_.parameters.named_gate == 0.0 || distance2(m) <= rule_.parameters.named_gate) matches_.push_back(m);
+    } else if (z.kind != DetectionKind::range_bearing) {
+      continue;
     } else if (std::ranges::none_of(new_, [&](std::size_t j) { return message.detections[j].id == z.id; })) {
       new_.push_back(k);
     }
@@ -96,9 +114,10 @@ void EkfSlam::associate(const LandmarkDetections& message) {
   if (!unnamed.empty()) associate_unnamed(message, unnamed);
 }
 
-/// Individual compatibility within a gate; then the most likely assignment, or each sighting to its likeliest landmark.
+/// Individual compatibility within a gate; then the most likely assignment, each sighting to its likeliest landmark, or
+/// the largest set that is compatible together.
 void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::vector<std::size_t>& rows) {
-  const SightingParameters& p = parameters_.sightings;
+  const SightingParameters& p = rule_.parameters;
   const std::size_t taken = matches_.size(), columns = landmarks_.size();
   const auto is_taken = [&](std::size_t j) {
     return std::any_of(matches_.begin(), matches_.begin() + static_cast<std::ptrdiff_t>(taken),
@@ -107,19 +126,27 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
   Eigen::MatrixXd cost =
       Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns), kInf);
   std::vector<double> nearest(rows.size(), kInf);
+  std::vector<std::vector<Match>> compatible(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = 0; j < columns; ++j) {
       if (is_taken(j)) continue;
       const Match m = match(message.detections[rows[i]], j);
       const auto llt = cholesky<2>(innovation_covariance(m));
-      const double distance2 = llt.matrixL().solve(m.innovation).squaredNorm();
-      nearest[i] = std::min(nearest[i], distance2);
-      if (distance2 <= p.gate) cost(i, j) = -log_gaussian<2>(m.innovation, llt);
+      const double distance =
+          llt.matrixL().solve(m.innovation).squaredNorm() * (m.numbers == 2 ? 1.0 : rule_.one_number);
+      nearest[i] = std::min(nearest[i], distance);
+      const double unmeasured = m.numbers == 2 ? 0.0 : 0.5 * std::log(kTwoPi);  // of the number that never strays
+      if (distance > p.gate) continue;
+      compatible[i].push_back(m);
+      cost(i, j) =
+          rule_.log_density_of_new(message.detections[rows[i]].kind) - unmeasured - log_gaussian<2>(m.innovation, llt);
     }
   }
   std::vector<int> column_of(rows.size(), -1);
   if (columns > 0 && p.match == Matching::likelihood) {
-    column_of = assign(cost, -std::log(p.new_density));
+    column_of = assign(cost, 0.0);
+  } else if (columns > 0 && p.match == Matching::joint) {
+    column_of = match_jointly(compatible);
   } else if (columns > 0) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       int j = 0;
@@ -129,30 +156,68 @@ void EkfSlam::associate_unnamed(const LandmarkDetections& message, const std::ve
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (column_of[i] >= 0) {
       matches_.push_back(match(message.detections[rows[i]], static_cast<std::size_t>(column_of[i])));
-    } else if (nearest[i] > p.new_above) {
+    } else if (nearest[i] > p.new_above && message.detections[rows[i]].kind == DetectionKind::range_bearing) {
       new_.push_back(rows[i]);
     }
   }
 }
 
-void EkfSlam::take_in() {
-  if (matches_.empty()) return;
-  const Eigen::Index n = size(), m = 2 * static_cast<Eigen::Index>(matches_.size());
-  Eigen::MatrixXd pht(n, m), s(m, m);
-  Eigen::VectorXd innovation(m);
+/// Together with those whose identity is known, which are beyond doubt.
+std::vector<int> EkfSlam::match_jointly(const std::vector<std::vector<Match>>& compatible) const {
+  std::vector<Match> all = matches_;
+  std::vector<Pairing> pairings;
+  for (const Match& m : all) pairings.push_back({pairings.size(), m.landmark, m.numbers});
+  for (std::size_t i = 0; i < compatible.size(); ++i) {
+    for (const Match& m : compatible[i]) {
+      all.push_back(m);
+      pairings.push_back({matches_.size() + i, m.landmark, m.numbers});
+    }
+  }
+  Eigen::MatrixXd pht, s;
+  stack(all, pht, s);
+  Eigen::VectorXd innovations(s.rows());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    innovations.segment<2>(2 * static_cast<Eigen::Index>(k)) = all[k].innovation;
+  }
+  std::vector<int> column_of(compatible.size(), -1);
+  const double probability = chi2_cdf(rule_.parameters.gate, 2);
+  for (const std::size_t k : jointly_compatible(pairings, innovations, s, probability)) {
+    if (k < matches_.size()) continue;
+    column_of[pairings[k].sighting - matches_.size()] = static_cast<int>(pairings[k].landmark);
+  }
+  return column_of;
+}
+
+/// P H' and H P H' + R of all matches, one block after the other.
+void EkfSlam::stack(std::span<const Match> matches, Eigen::MatrixXd& pht, Eigen::MatrixXd& s) const {
+  const Eigen::Index n = size(), m = 2 * static_cast<Eigen::Index>(matches.size());
+  pht.resize(n, m);
+  s.resize(m, m);
   for (Eigen::Index k = 0; k < m / 2; ++k) {
-    const Match& a = matches_[static_cast<std::size_t>(k)];
+    const Match& a = matches[static_cast<std::size_t>(k)];
     pht.middleCols<2>(2 * k) = covariance_.topLeftCorner(n, 3) * a.jacobian.leftCols<3>().transpose() +
                                covariance_.block(0, row(a.landmark), n, 2) * a.jacobian.rightCols<2>().transpose();
-    innovation.segment<2>(2 * k) = a.innovation;
   }
   for (Eigen::Index k = 0; k < m / 2; ++k) {
-    const Match& a = matches_[static_cast<std::size_t>(k)];
+    const Match& a = matches[static_cast<std::size_t>(k)];
     s.middleRows<2>(2 * k) =
         a.jacobian.leftCols<3>() * pht.topRows<3>() + a.jacobian.rightCols<2>() * pht.middleRows<2>(row(a.landmark));
     s.block<2, 2>(2 * k, 2 * k) += a.noise;
   }
   symmetrise(s);
+}
+
+void EkfSlam::take_in() {
+  if (matches_.empty()) return;
+  const Eigen::Index n = size(), m = 2 * static_cast<Eigen::Index>(matches_.size());
+  Eigen::MatrixXd pht, s;
+  stack(matches_, pht, s);
+  Eigen::VectorXd innovation(m);
+  int numbers = 0;
+  for (Eigen::Index k = 0; k < m / 2; ++k) {
+    innovation.segment<2>(2 * k) = matches_[static_cast<std::size_t>(k)].innovation;
+    numbers += matches_[static_cast<std::size_t>(k)].numbers;
+  }
   const Eigen::LLT<Eigen::MatrixXd> llt(s);
   const Eigen::VectorXd y = llt.matrixL().solve(innovation);
   if (llt.info() != Eigen::Success || !(y.squaredNorm() < kInf)) {
@@ -166,7 +231,7 @@ void EkfSlam::take_in() {
   p.selfadjointView<Eigen::Lower>().rankUpdate(w.transpose(), -1.0);
   p.triangularView<Eigen::StrictlyUpper>() = p.transpose();
   for (const Match& a : matches_) ++landmarks_[a.landmark].observations;
-  estimate_.nis = y.squaredNorm() / static_cast<double>(m);
+  estimate_.nis = y.squaredNorm() / numbers;
 }
 
 void EkfSlam::start(const LandmarkDetection& z, std::int64_t id) {
@@ -192,6 +257,52 @@ void EkfSlam::start(const LandmarkDetection& z, std::int64_t id) {
   mean_.tail<2>() = placed.landmark;
   if (id >= 0) named_.emplace(id, landmarks_.size());
   landmarks_.push_back({id, 1});
+}
+
+void EkfSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  const std::vector<PointLandmark> known = point_landmarks(map);
+  if (poses.particles.empty()) throw InputError("poses to begin at: expected some, got none");
+  double total = 0.0, cosine = 0.0, sine = 0.0;
+  Pose2 mean;
+  for (const auto& [pose, weight] : poses.particles) {
+    total += weight;
+    mean.x += weight * pose.x;
+    mean.y += weight * pose.y;
+    cosine += weight * std::cos(pose.yaw);
+    sine += weight * std::sin(pose.yaw);
+  }
+  mean = {mean.x / total, mean.y / total, std::atan2(sine, cosine)};
+  Matrix3 spread = Matrix3::Zero();
+  for (const auto& [pose, weight] : poses.particles) {
+    const Vector3 d = difference(pose, mean);
+    spread += weight / total * d * d.transpose();
+  }
+  for (const PointLandmark& m : known) landmarks_.push_back({m.id, m.observations});
+  mean_.resize(size());
+  mean_.head<3>() = mean.vector();
+  covariance_ = Eigen::MatrixXd::Zero(size(), size());
+  covariance_.topLeftCorner<3, 3>() = spread;
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    mean_.segment<2>(row(k)) = known[k].position();
+    covariance_.block<2, 2>(row(k), row(k)) = known[k].covariance();
+    if (known[k].id >= 0) named_.emplace(known[k].id, k);
+    next_id_ = std::min(next_id_, known[k].id - 1);
+  }
+  estimate_.pose = pose();
+  estimate_.covariance = spread;
+}
+
+void EkfSlam::transfer(StateArchive& archive) {
+  archive(mean_, covariance_, next_id_, collapses_, last_detections_);
+  archive.each(landmarks_, Named{}, [&](Named& n) { archive(n.id, n.observations); });
+  archive.each(path_, PathPose{}, [&](PathPose& p) { archive(p.scan_seq, p.utime, p.pose); });
+  archive(estimate_.stamp, estimate_.pose, estimate_.covariance, estimate_.nis);
+  if (!archive.reads()) return;
+  if (mean_.size() != size() || covariance_.rows() < size()) throw InputError("state: expected that of EKF-SLAM");
+  named_.clear();
+  for (std::size_t k = 0; k < landmarks_.size(); ++k) {
+    if (landmarks_[k].id >= 0) named_.emplace(landmarks_[k].id, k);
+  }
 }
 
 LandmarkMap EkfSlam::map() const {

@@ -2,6 +2,7 @@
 /// EKF-SLAM (Smith, Self, Cheeseman 1990): one Gaussian over the pose and all landmarks. The baseline of the landmark
 /// filters, and the strongest one while landmarks are few.
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -21,7 +22,7 @@ class EkfSlam final : public SlamFilter {
   explicit EkfSlam(const EkfSlamParameters& parameters, const Pose2& start = {});
 
   void predict(const Odometry& odometry) override;
-  /// \throws InputError also on bearing-only and range-only sightings, which this filter does not use
+  /// Bearing-only and range-only sightings update landmarks that range and bearing have begun; they begin none.
   void update(const LandmarkDetections& message) override;
   /// \throws InputError always
   void update(const UltrasonicScan& scan, const ContourFeatures& features) override;
@@ -32,6 +33,9 @@ class EkfSlam final : public SlamFilter {
   /// Empty.
   [[nodiscard]] ParticleCloud particles(int) const override { return {estimate_.stamp, {}}; }
   [[nodiscard]] std::int64_t collapses() const override { return collapses_; }
+  /// Pose and landmarks are taken as independent.
+  void begin_on(const LandmarkMap& map, const ParticleCloud& poses) override;
+  void transfer(StateArchive& archive) override;
 
   /// Covariance of pose and landmarks, (x, y, yaw, x_1, y_1, x_2, ...).
   [[nodiscard]] Eigen::MatrixXd covariance() const { return covariance_.topLeftCorner(size(), size()); }
@@ -43,6 +47,7 @@ class EkfSlam final : public SlamFilter {
     Vector2 innovation;
     Jacobian jacobian;
     Matrix2 noise;
+    int numbers;  ///< that the sighting measures; of the other one, innovation and Jacobian are 0 (see Sighting)
   };
 
   [[nodiscard]] Eigen::Index size() const { return 3 + 2 * static_cast<Eigen::Index>(landmarks_.size()); }
@@ -52,7 +57,10 @@ class EkfSlam final : public SlamFilter {
   [[nodiscard]] Match match(const LandmarkDetection& z, std::size_t landmark) const;
   [[nodiscard]] Matrix2 innovation_covariance(const Match& m) const;
   void associate(const LandmarkDetections& message);
+  [[nodiscard]] double distance2(const Match& m) const;
   void associate_unnamed(const LandmarkDetections& message, const std::vector<std::size_t>& rows);
+  [[nodiscard]] std::vector<int> match_jointly(const std::vector<std::vector<Match>>& compatible) const;
+  void stack(std::span<const Match> matches, Eigen::MatrixXd& pht, Eigen::MatrixXd& s) const;
   void take_in();
   void start(const LandmarkDetection& z, std::int64_t id);
 
@@ -61,7 +69,7 @@ class EkfSlam final : public SlamFilter {
     int observations;
   };
 
-  EkfSlamParameters parameters_;
+  MatchRule rule_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;  ///< with room for more landmarks than there are
   std::vector<Named> landmarks_;

@@ -85,34 +85,34 @@ MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, 
   const std::size_t known = view.maps.size(view.particle);
   const Vector2 heading(std::cos(before.yaw), std::sin(before.yaw));
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
     if (!view.is_known(k, known)) {
-      ++free;
+      log_free += view.log_new(k);
       continue;
     }
     const Sighting& z = view.scan.sightings[k];
     const PointLandmark& m = view.landmark(k);
     const Pose2 base = before * Pose2{q.mean[0], q.mean[1], q.mean[2]};
     const Pose2 sensor = sensor_pose(base, view.scan.sensor_in_base);
-    Innovation v = innovation<double>(z, sensor, m.x, m.y);
-    const SightingCovariance p = expected_covariance(v, cross_covariance<double>(m, v));
-    const auto h = by_motion(v, heading, sensor.position() - base.position());
+    const PredictedSighting p(m, z, sensor);
+    Innovation v = p.v;
+    const auto h = by_motion(z, v, heading, sensor.position() - base.position());
     const Eigen::Matrix<double, 3, 2> pht = q.covariance * h.transpose();
     const Matrix2 hph = h * pht;
-    const SightingCovariance r = weigh(noise, z, v, {p.rr + hph(0, 0), p.rb + hph(0, 1), p.bb + hph(1, 1)}, density);
-    const SightingCovariance at_pose{p.rr + r.rr, p.rb + r.rb, p.bb + r.bb};
-    const InnovationCovariance s(at_pose.rr + hph(0, 0), at_pose.rb + hph(0, 1), at_pose.bb + hph(1, 1), v);
+    const InnovationCovariance stated(p.s.rr + hph(0, 0), p.s.rb + hph(0, 1), p.s.bb + hph(1, 1), v);
+    const InnovationCovariance s = weigh(noise, z, v, stated, density);
     if (!(s.distance2 < kInf)) continue;
     Matrix2 inverse, known_pose;
     inverse << s.bb, -s.rb, -s.rb, s.rr;
-    known_pose << at_pose.rr, at_pose.rb, at_pose.rb, at_pose.bb;
+    const double rb = p.s.rb + (s.rb - stated.rb);
+    known_pose << p.s.rr + (s.rr - stated.rr), rb, rb, p.s.bb + (s.bb - stated.bb);
     const Eigen::Matrix<double, 3, 2> gain = pht * (inverse / s.determinant);
     q.mean += gain * Vector2(v.range, v.bearing);
     const Matrix3 a = Matrix3::Identity() - gain * h;
     q.covariance = (a * q.covariance * a.transpose() + gain * known_pose * gain.transpose()).eval();
   }
-  q.fit = density.fit(free, view.log_new_density);
+  q.fit = density.fit(log_free);
   return q;
 }
 

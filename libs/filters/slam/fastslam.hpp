@@ -12,6 +12,11 @@ class FastSlam1 final : public LandmarkSlam {
   explicit FastSlam1(const FastSlam1Parameters& parameters, std::uint64_t seed, const Pose2& start = {},
                      const OffspringTempering& tempering = {});
 
+  void transfer(StateArchive& archive) override {
+    LandmarkSlam::transfer(archive);
+    archive(odometry_);
+  }
+
  private:
   void add_motion(const Odometry& odometry) override;
   void before_association() override;

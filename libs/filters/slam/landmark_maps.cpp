@@ -157,6 +157,16 @@ void LandmarkMaps::resample(std::span<const std::uint32_t> ancestors) {
   }
 }
 
+void LandmarkMaps::transfer(StateArchive& archive) {
+  archive(shared_, sizes_, row_, flat_, root_, roots_);
+  tables_.transfer(archive, [&](Table& table) {
+    for (std::uint32_t& page : table.pages) archive(page);
+  });
+  pages_.transfer(archive, [&](Page& page) {
+    for (PointLandmark& m : page.landmarks) archive(m);
+  });
+}
+
 std::size_t LandmarkMaps::bytes() const {
   return sizes_.size() * sizeof(sizes_[0]) + flat_.size() * sizeof(PointLandmark) + roots_.size() * sizeof(roots_[0]) +
          tables_.used() * (sizeof(Table) + sizeof(std::uint32_t)) +

@@ -59,6 +59,8 @@ class LandmarkMaps {
   /// elsewhere is its own ancestor (particle::place_in_slots).
   void resample(std::span<const std::uint32_t> ancestors);
 
+  void transfer(StateArchive& archive);
+
   /// Memory in use by landmarks and tables, without what is kept for later.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -98,6 +100,15 @@ class LandmarkMaps {
       return true;
     }
     [[nodiscard]] std::size_t used() const { return references_.size() - unused_.size(); }
+    /// \param block lists what is in one
+    template <class Body>
+    void transfer(StateArchive& archive, const Body& block) {
+      archive(references_, unused_);
+      while (chunks_.size() < references_.size() / kChunk) chunks_.push_back(std::make_unique<Block[]>(kChunk));
+      for (std::uint32_t i = 0; i < references_.size(); ++i) {
+        if (references_[i] > 0) block((*this)[i]);
+      }
+    }
 
    private:
     void grow();

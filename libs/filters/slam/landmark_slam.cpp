@@ -6,6 +6,7 @@
 
 #include "core/check.hpp"
 #include "core/error.hpp"
+#include "core/log_weights.hpp"
 #include "filters/checks.hpp"
 #include "particle/pose_apf.hpp"
 
@@ -74,7 +75,7 @@ void LandmarkSlam::observe(const Stamp& stamp) {
   }
   points_.make_writable();
   for_particles([this](std::size_t begin, std::size_t end) { take_in(begin, end); });
-  points_.live();
+  points_.live(particles_.poses(), particles_.best(), fits_);
   motion_ = {};
   weigh();
   learn_noise();
@@ -89,6 +90,18 @@ void LandmarkSlam::weigh() {
   particles_.weigh(fits_);
 }
 
+/// What was weighed and resampled did not know of the landmarks begun now.
+void LandmarkSlam::live_after_weighing() {
+  std::ranges::transform(fits_, linear_.begin(), &ObservationFit::log_likelihood);
+  if (!points_.live(particles_.poses(), particles_.best(), fits_)) return;
+  const auto before = particles_.weights().log();
+  for (std::size_t i = 0; i < fits_.size(); ++i) {
+    const double gain = std::isfinite(linear_[i]) ? fits_[i].log_likelihood - linear_[i] : 0.0;
+    linear_[i] = before[i] + parameters_.weight_power * gain;
+  }
+  if (log_sum_exp(linear_) > -kInf) particles_.reweigh(linear_);
+}
+
 /// Proposal, weights, estimate, resampling, moves, maps: in this order, so that maps fit the poses that go on.
 void LandmarkSlam::observe_and_optimise(const Stamp& stamp) {
   for_particles([this](std::size_t begin, std::size_t end) { propose(begin, end); });
@@ -101,11 +114,14 @@ void LandmarkSlam::observe_and_optimise(const Stamp& stamp) {
   if (!ancestors.empty()) {
     points_.resample(ancestors);
     points_.inherit(ancestors);
+    for (std::size_t i = 0; i < ancestors.size(); ++i) {
+      if (ancestors[i] != i) fits_[i] = fits_[ancestors[i]];
+    }
     move_toward_neighbours(ancestors, step, moves);
   }
   points_.make_writable();
   for_particles([this](std::size_t begin, std::size_t end) { update_maps(begin, end); });
-  points_.live();
+  live_after_weighing();
   learn_noise();
   motion_ = {};
   particles_.record_paths(stamp);
@@ -171,7 +187,20 @@ SlamEstimate LandmarkSlam::estimate() const {
 std::span<const std::uint32_t> LandmarkSlam::resample() {
   const auto ancestors = particles_.resample();
   if (!ancestors.empty()) points_.resample(ancestors);
+  if (!ancestors.empty() && !before_.empty()) before_ = particles_.poses();
   return ancestors;
+}
+
+void LandmarkSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  particles_.spread(poses);
+  if (!before_.empty()) before_ = particles_.poses();
+  points_.begin_on(point_landmarks(map), next_id_);
+}
+
+void LandmarkSlam::transfer(StateArchive& archive) {
+  archive(particles_, points_, motion_, next_id_, last_detections_, noise_);
+  archive.each(before_, Pose2{}, [&](Pose2& pose) { archive(pose); });
+  if (particles_.poses().size() != fits_.size()) throw InputError("state: expected that of as many particles");
 }
 
 LandmarkMap LandmarkSlam::map() const {

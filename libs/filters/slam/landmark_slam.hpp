@@ -35,7 +35,6 @@ struct MotionPosterior {
 class LandmarkSlam : public SlamFilter {
  public:
   void predict(const Odometry& odometry) override;
-  /// \throws InputError also on bearing-only and range-only sightings, which these filters do not use
   void update(const LandmarkDetections& detections) override;
   /// \throws InputError always
   void update(const UltrasonicScan& scan, const ContourFeatures& features) override;
@@ -45,6 +44,9 @@ class LandmarkSlam : public SlamFilter {
   [[nodiscard]] LandmarkMap map() const override;
   [[nodiscard]] ParticleCloud particles(int at_most) const override { return particles_.cloud(at_most); }
   [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
+
+  void begin_on(const LandmarkMap& map, const ParticleCloud& poses) override;
+  void transfer(StateArchive& archive) override;
 
   /// Memory of all landmarks [bytes].
   [[nodiscard]] std::size_t map_bytes() const { return points_.maps().bytes(); }
@@ -86,6 +88,8 @@ class LandmarkSlam : public SlamFilter {
   auto with_noise(const Body& body) {
     return noise_.learns() ? body(LearnedNoise{noise_}) : body(StatedNoise{});
   }
+  /// Births and deaths of landmarks, where the weights have the scan already: births add to them.
+  void live_after_weighing();
   /// Of what the particles noted, with their present weights.
   void learn_noise();
   /// \return ancestors; empty when nothing changed

@@ -2,6 +2,7 @@
 /// The motion prior as proposal: odometry is summed up with its covariance and drawn from once per observation.
 #include "core/gaussian.hpp"
 #include "core/observations.hpp"
+#include "core/state_archive.hpp"
 
 namespace noctule::filters {
 
@@ -31,6 +32,7 @@ class OdometryProposal {
   };
 
   void reset() { motion_ = {}; }
+  void transfer(StateArchive& archive) { archive(motion_); }
 
  private:
   PoseGaussian motion_;

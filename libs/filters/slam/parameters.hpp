@@ -68,7 +68,36 @@ struct ContourLandmarkParameters {
 
 enum class Matching : std::int8_t {
   likelihood,  ///< all sightings of a message at once, each landmark at most once: the most likely assignment
-  nearest      ///< each sighting for itself, to the landmark that makes it most likely
+  nearest,     ///< each sighting for itself, to the landmark that makes it most likely
+  joint        ///< the largest set that is compatible together (EKF-SLAM only: given its path, a particle's landmarks
+               ///< are independent, and nothing is to be gained)
+};
+
+/// How sightings of bearing or range alone begin landmarks: a track collects them until they fix a place.
+struct LandmarkTrackParameters {
+  double certain = 0.1;      ///< the sd of the place in its worst direction is below this share of its distance
+  double max_range = 50.0;   ///< farthest landmark begun [m]
+  double spacing = 0.2;      ///< way of the sensor between two sightings that are kept [m]
+  int sightings = 16;        ///< most sightings kept; then the way between them is doubled
+  int forget_after = 40;     ///< messages without a sighting after which a track without identity ends
+  double agreement = 0.999;  ///< a track whose sightings disagree beyond this chi-square quantile is given up
+
+  template <class Visitor>
+  static void describe(Visitor& v) {
+    using P = LandmarkTrackParameters;
+    v.field("certain", &P::certain, unit::one,
+            "a landmark is begun when the sd of its place is below this share of its distance",
+            Range{.min = 0.0, .max = 0.5, .min_allowed = false});
+    v.field("max_range_m", &P::max_range, unit::metre, "farthest landmark begun", positive());
+    v.field("spacing_m", &P::spacing, unit::metre, "way of the sensor between two sightings that are kept", positive());
+    v.field("sightings", &P::sightings, unit::one, "most sightings kept; then the way between them is doubled",
+            Range{.min = 4, .max = 64});
+    v.field("forget_after", &P::forget_after, unit::one,
+            "messages without a sighting after which a track of unknown identity ends", at_least(1));
+    v.field("agreement", &P::agreement, unit::one,
+            "a track is given up whose sightings disagree beyond this quantile of chi-square",
+            Range{.min = 0.5, .max = 1.0, .max_allowed = false});
+  }
 };
 
 /// Sightings of point landmarks whose identity the sensor does not know.
@@ -77,18 +106,24 @@ struct SightingParameters {
   double gate = 9.21;         ///< largest squared Mahalanobis distance of a match (99 % for 2 numbers)
   double new_above = 25.0;    ///< a sighting farther than this from all landmarks starts one; between: dropped
   double new_density = 0.01;  ///< density of sightings of unmapped landmarks, per metre of range and radian
+  double named_gate = 0.0;    ///< the gate of sightings whose identity is known; 0: none
+  LandmarkTrackParameters tracks;
 
   template <class Visitor>
   static void describe(Visitor& v) {
     using P = SightingParameters;
     v.choice("match", &P::match,
-             Choices<Matching>{{"likelihood", Matching::likelihood}, {"nearest", Matching::nearest}},
-             "how sightings find their landmarks");
+             Choices<Matching>{
+                 {"likelihood", Matching::likelihood}, {"nearest", Matching::nearest}, {"joint", Matching::joint}},
+             "how sightings find their landmarks; joint: EKF-SLAM only");
     v.field("gate", &P::gate, unit::one, "largest squared Mahalanobis distance of a match", positive());
     v.field("new_above", &P::new_above, unit::one, "a sighting farther than this from all landmarks is a new one",
             positive());
     v.field("new_density", &P::new_density, unit::one, "density of sightings of unmapped landmarks, per m and rad",
             positive());
+    v.field("named_gate", &P::named_gate, unit::one,
+            "sightings of known identity beyond this squared Mahalanobis distance are dropped; 0: none", at_least(0.0));
+    v.group("tracks", &P::tracks, "landmarks begun by sightings of bearing or range alone");
   }
 
   [[nodiscard]] std::string validate() const {
@@ -126,6 +161,12 @@ void describe_particles(Visitor& v) {
           "resample when the effective sample size is below this share of the particles", between(0.0, 1.0));
 }
 
+/// Where particles are drawn that hear a scan.
+enum class EchoProposal : std::int8_t {
+  motion,  ///< from odometry alone (FastSLAM 1)
+  echoes   ///< from odometry and the scan, given each particle's map (FastSLAM 2)
+};
+
 /// What path() and map() say.
 enum class SmoothPath {
   none,  ///< the best particle's
@@ -155,7 +196,8 @@ struct ParticleSlamParameters {
   int particles = 100;
   particle::Resampling resampling = particle::Resampling::systematic;
   double resample_below = 0.5;  ///< resample when the effective sample size falls below this share of the particles
-  NoiseParameters noise;        ///< of echo ranges; one for all rangers
+  EchoProposal proposal = EchoProposal::motion;
+  NoiseParameters noise;  ///< of echo ranges; one for all rangers
   EchoParameters echo;
   ContourLandmarkParameters contour_landmarks;
   SightingParameters sightings;
@@ -168,6 +210,9 @@ struct ParticleSlamParameters {
   static void describe(Visitor& v) {
     using P = ParticleSlamParameters;
     describe_particles<P>(v);
+    v.choice("proposal", &P::proposal,
+             Choices<EchoProposal>{{"motion", EchoProposal::motion}, {"echoes", EchoProposal::echoes}},
+             "particles that hear a scan are drawn from odometry alone, or from odometry and the scan");
     v.one_of("noise", &P::noise, {"fixed", "em", "vb"}, "noise of echo ranges: nominal, or learned on the way");
     v.group("echo", &P::echo, "how one ultrasonic echo is judged");
     v.group("contour_landmarks", &P::contour_landmarks, "walls, cylinders and points heard by ultrasound");

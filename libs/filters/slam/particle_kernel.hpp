@@ -11,12 +11,13 @@
 
 namespace noctule::filters {
 
-/// Sum of log N(v; 0, S) of independent innovations of two numbers; takes one logarithm for many.
+/// Sum of log N(v; 0, S) of independent innovations; takes one logarithm for many.
 class LogDensity {
  public:
-  void multiply(const InnovationCovariance& s) { multiply(s.distance2, s.determinant); }
-  void multiply(double distance2, double determinant) {
-    ++count_;
+  void multiply(const InnovationCovariance& s, const Sighting& z) { multiply(s.distance2, s.determinant, z.numbers()); }
+  /// \param numbers of the innovation
+  void multiply(double distance2, double determinant, int numbers = 2) {
+    numbers_ += numbers;
     distance2_ += distance2;
     determinant_ *= distance2 < kInf ? determinant : 1.0;
     if (determinant_ < 1e-150 || determinant_ > 1e150) {
@@ -26,44 +27,42 @@ class LogDensity {
   }
   /// An innovation of two numbers of any density.
   void add(double log_density, double nis) {
-    ++added_;
+    added_ += 2;
     log_density_ += log_density;
     nis_ += nis;
   }
-  /// The fit of these innovations and of `free` sightings that found no landmark.
-  [[nodiscard]] ObservationFit fit(int free, double log_new_density) const {
-    const double log_determinant = log_determinant_ + (count_ > 0 ? std::log(determinant_) : 0.0);
-    return {-0.5 * (distance2_ + log_determinant) - count_ * std::log(kTwoPi) + free * log_new_density + log_density_,
-            distance2_ + nis_, 2 * (count_ + added_)};
+  /// The fit of these innovations and of sightings that found no landmark, of log density `log_free`.
+  [[nodiscard]] ObservationFit fit(double log_free) const {
+    const double log_determinant = log_determinant_ + (numbers_ > 0 ? std::log(determinant_) : 0.0);
+    return {-0.5 * (distance2_ + log_determinant + numbers_ * std::log(kTwoPi)) + log_free + log_density_,
+            distance2_ + nis_, numbers_ + added_};
   }
 
  private:
-  int count_ = 0, added_ = 0;
+  int numbers_ = 0, added_ = 0;
   double log_density_ = 0.0, nis_ = 0.0;
   double distance2_ = 0.0, determinant_ = 1.0, log_determinant_ = 0.0;
 };
 
 /// What an update does with an innovation: how probable it is goes into `density`.
-/// \param expected covariance of the prediction, without noise
-/// \return covariance of the noise
-inline SightingCovariance weigh(const StatedNoise&, const Sighting& z, const Innovation& v,
-                                const SightingCovariance& expected, LogDensity& density) {
-  density.multiply(InnovationCovariance(expected.rr + z.rr, expected.rb + z.rb, expected.bb + z.bb, v));
-  return {z.rr, z.rb, z.bb};
+/// \param s its covariance with the noise that the sighting has
+/// \return its covariance with the noise that is believed given the innovation
+inline InnovationCovariance weigh(const StatedNoise&, const Sighting& z, const Innovation&,
+                                  const InnovationCovariance& s, LogDensity& density) {
+  density.multiply(s, z);
+  return s;
 }
 /// \param[in,out] v what noise of a known mean leaves of it
-inline SightingCovariance weigh(const LearnedNoise& learned, const Sighting& z, Innovation& v,
-                                const SightingCovariance& expected, LogDensity& density) {
+inline InnovationCovariance weigh(const LearnedNoise& learned, const Sighting& z, Innovation& v,
+                                  const InnovationCovariance& s, LogDensity& density) {
+  if (!z.is_whole()) return weigh(StatedNoise{}, z, v, s, density);
+  const SightingCovariance expected{s.rr - z.rr, s.rb - z.rb, s.bb - z.bb};
   const auto judged = learned.noise.judge(z, v, expected);
   density.add(judged.log_density, judged.nis);
   v.range -= judged.range;
   v.bearing -= judged.bearing;
-  return judged.noise;
-}
-
-/// H P H' of a landmark.
-[[nodiscard]] inline SightingCovariance expected_covariance(const Innovation& v, const CrossCovariance<double>& c) {
-  return {v.ux * c.xr + v.uy * c.yr, v.ux * c.xb + v.uy * c.yb, v.inverse_range * (v.ux * c.yb - v.uy * c.xb)};
+  const SightingCovariance& r = judged.noise;
+  return {expected.rr + r.rr, expected.rb + r.rb, expected.bb + r.bb, v};
 }
 
 /// Landmarks by extended Kalman filters.
@@ -72,11 +71,10 @@ struct KalmanUpdate {
   Noise noise;
 
   void update(PointLandmark& m, const Sighting& z, const Pose2& sensor, LogDensity& density) const {
-    Innovation v = innovation<double>(z, sensor, m.x, m.y);
-    const auto c = cross_covariance<double>(m, v);
-    const SightingCovariance p = expected_covariance(v, c);
-    const SightingCovariance r = weigh(noise, z, v, p, density);
-    filters::take_in(m, v, c, InnovationCovariance(p.rr + r.rr, p.rb + r.rb, p.bb + r.bb, v));
+    const PredictedSighting p(m, z, sensor);
+    Innovation v = p.v;
+    const InnovationCovariance s = weigh(noise, z, v, p.s, density);
+    filters::take_in(m, v, p.c, s);
   }
   /// Two different landmarks at a time.
   static void update(PointLandmark& a, PointLandmark& b, const Sighting& za, const Sighting& zb, const Pose2& sensor,
@@ -105,18 +103,18 @@ ObservationFit weigh_pose(const ParticleView& view, const Pose2& pose, const Noi
   const Pose2 sensor = sensor_pose(pose, view.scan.sensor_in_base);
   const std::size_t known = view.maps.size(view.particle);
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
     if (!view.is_known(k, known)) {
-      ++free;
+      log_free += view.log_new(k);
       continue;
     }
     const Sighting& z = view.scan.sightings[k];
-    const PointLandmark& m = view.landmark(k);
-    Innovation v = innovation<double>(z, sensor, m.x, m.y);
-    weigh(noise, z, v, expected_covariance(v, cross_covariance<double>(m, v)), density);
+    const PredictedSighting p(view.landmark(k), z, sensor);
+    Innovation v = p.v;
+    weigh(noise, z, v, p.s, density);
   }
-  return density.fit(free, view.log_new_density);
+  return density.fit(log_free);
 }
 
 /// Takes the sightings into the map of a particle, its pose taken as known.
@@ -130,22 +128,23 @@ ObservationFit update_map(const ParticleView& view, const Pose2& pose, const Upd
   const auto& sightings = view.scan.sightings;
   const std::size_t known = view.maps.size(view.particle);
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
     const std::size_t size = view.maps.size(view.particle);
-    if (view.slots[k] == kDropped) {
-      ++free;
+    if (view.slots[k] < 0) {
+      log_free += view.log_new(k);
       continue;
     }
     const auto slot = static_cast<std::size_t>(view.slots[k]);
     if (slot >= size) {
       view.maps.append(view.particle, update.start(sightings[k], sensor));
-      ++free;
+      log_free += view.log_new(k);
       continue;
     }
     PointLandmark& m = view.maps.writable(view.particle, slot);
     if constexpr (in_pairs) {
-      if (k + 1 < view.slots.size() && view.is_known(k + 1, size) && view.slots[k + 1] != view.slots[k]) {
+      if (k + 1 < view.slots.size() && view.is_known(k + 1, size) && view.slots[k + 1] != view.slots[k] &&
+          sightings[k].is_whole() && sightings[k + 1].is_whole()) {
         PointLandmark& next = view.maps.writable(view.particle, static_cast<std::size_t>(view.slots[k + 1]));
         update.update(m, next, sightings[k], sightings[k + 1], sensor, density);
         ++k;
@@ -155,7 +154,7 @@ ObservationFit update_map(const ParticleView& view, const Pose2& pose, const Upd
     update.update(m, sightings[k], sensor, density);
   }
   update.noise.note(view, pose, known);
-  return density.fit(free, view.log_new_density);
+  return density.fit(log_free);
 }
 
 }  // namespace noctule::filters

@@ -44,7 +44,9 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   check(features, scan);
   check_order("ultrasonic scan", scan.stamp, last_scan_);
 
-  move_particles();
+  begin_motion();
+  const bool informed = parameters_.proposal == EchoProposal::echoes;
+  if (!informed) move_particles();
   const auto echoes = static_cast<std::size_t>(
       std::ranges::count(scan.beams, Echo::hit, [](const UltrasonicBeam& beam) { return beam.echo; }));
   noise_.begin(echoes);
@@ -53,16 +55,24 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   next_id_ -= static_cast<std::int64_t>(features.features.size());
   const std::size_t kept = noise_.adapts() ? echoes : 0;
   residuals_.resize(kept * particles_.size());
-  observe(
-      scan.stamp,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<char> scratch;
-        for (std::size_t i = begin; i < end; ++i) {
-          fits_[i] = observation.apply(particles_.poses()[i], contours_[i], scratch,
-                                       std::span(residuals_).subspan(i * kept, kept));
-        }
-      },
-      kept);
+  const WhitenedMotion motion(proposal_.motion());
+  particle::for_blocks(particles_.size(), parameters_.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<char> scratch;
+    std::vector<std::int32_t> assigned;
+    for (std::size_t i = begin; i < end; ++i) {
+      Pose2& pose = particles_.poses()[i];
+      double log_correction = 0.0;
+      if (informed) {
+        const DrawnPose drawn = observation.draw_pose(pose, motion, contours_[i], assigned, motion_rng(i));
+        pose = drawn.pose;
+        log_correction = drawn.log_correction;
+      }
+      fits_[i] = observation.apply(pose, contours_[i], scratch, std::span(residuals_).subspan(i * kept, kept));
+      fits_[i].log_likelihood += log_correction;
+    }
+  });
+  proposal_.reset();
+  observe(scan.stamp, kept);
   if (smoother_) smoother_->add(scan, noise_.mixture());
 }
 
@@ -73,37 +83,40 @@ void ParticleSlam::update(const LandmarkDetections& detections) {
   }
   check_order("landmark detections", detections.stamp, last_detections_);
 
+  begin_motion();
   move_particles();
+  proposal_.reset();
   points_.begin(detections, next_id_);
   points_.associate(particles_.poses(), {});
   points_.make_writable();
-  observe(detections.stamp, [this](std::size_t begin, std::size_t end) {
+  particle::for_blocks(particles_.size(), parameters_.threads, [this](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       fits_[i] = update_map(points_.view(i), particles_.poses()[i], KalmanUpdate{});
     }
   });
+  points_.live(particles_.poses(), particles_.best(), fits_);
+  observe(detections.stamp);
 }
 
-void ParticleSlam::move_particles() {
+void ParticleSlam::begin_motion() {
   const PoseGaussian& motion = proposal_.motion();
   way_from_stop_ += motion.mean.position().norm();
   if (way_from_stop_ >= parameters_.contour_landmarks.stop_distance) {
     ++stop_;
     way_from_stop_ = 0.0;
   }
-  const OdometryProposal::Sampler sample(motion);
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    Pose2& pose = particles_.poses()[i];
-    pose =
-        pose * sample(Rng(seed_, stream_id("particle_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i)));
-  }
   if (smoother_) smoother_->add_node(motion);
-  proposal_.reset();
 }
 
-void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body,
-                           std::size_t echoes) {
-  particle::for_blocks(particles_.size(), parameters_.threads, body);
+void ParticleSlam::move_particles() {
+  const OdometryProposal::Sampler sample(proposal_.motion());
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    Pose2& pose = particles_.poses()[i];
+    pose = pose * sample(motion_rng(i));
+  }
+}
+
+void ParticleSlam::observe(const Stamp& stamp, std::size_t echoes) {
   particles_.weigh(fits_);
   if (echoes > 0) learn_noise(echoes);
   particles_.record(stamp, fits_);
@@ -114,6 +127,18 @@ void ParticleSlam::observe(const Stamp& stamp, const std::function<void(std::siz
   for (std::size_t i = 0; i < ancestors.size(); ++i) {
     if (ancestors[i] != i) contours_[i] = contours_[ancestors[i]];
   }
+}
+
+void ParticleSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
+  particles_.spread(poses);
+  points_.begin_on(point_landmarks(map), next_id_);
+}
+
+void ParticleSlam::transfer(StateArchive& archive) {
+  archive(proposal_, noise_, noise_scale_, particles_, contours_, points_, next_id_, stop_, way_from_stop_, last_scan_,
+          last_detections_);
+  if (smoother_) archive(*smoother_);
+  if (particles_.poses().size() != fits_.size()) throw InputError("state: expected that of as many particles");
 }
 
 void ParticleSlam::learn_noise(std::size_t echoes) {

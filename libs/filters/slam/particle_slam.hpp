@@ -2,7 +2,6 @@
 /// PF-SLAM, the baseline: a Rao-Blackwellised particle filter over the path, with walls, cylinders and points as
 /// Kalman-filtered landmarks of each particle.
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,8 +20,9 @@
 
 namespace noctule::filters {
 
-/// The proposal is the motion prior (FastSLAM 1), the weight the likelihood of what was heard or seen: an echo as range
-/// and coarse bearing on one landmark or on clutter, a sighting as range and bearing of one landmark.
+/// The proposal is the motion prior (FastSLAM 1), for scans on request the scan too (FastSLAM 2); the weight the
+/// likelihood of what was heard or seen: an echo as range and coarse bearing on one landmark or on clutter, a sighting
+/// as range, bearing or both of one landmark.
 class ParticleSlam : public SlamFilter {
  public:
   /// \param start pose of the base in the map at the first observation, taken as certain
@@ -33,7 +33,6 @@ class ParticleSlam : public SlamFilter {
   void predict(const Odometry& odometry) override;
   /// Features only start landmarks.
   void update(const UltrasonicScan& scan, const ContourFeatures& features) override;
-  /// \throws InputError also on bearing-only and range-only sightings, which this filter does not use
   void update(const LandmarkDetections& detections) override;
 
   [[nodiscard]] SlamEstimate estimate() const override;
@@ -44,12 +43,19 @@ class ParticleSlam : public SlamFilter {
   [[nodiscard]] LandmarkMap map() const override;
   [[nodiscard]] ParticleCloud particles(int at_most) const override { return particles_.cloud(at_most); }
   [[nodiscard]] std::int64_t collapses() const override { return particles_.weights().collapses(); }
+  void begin_on(const LandmarkMap& map, const ParticleCloud& poses) override;
+  void transfer(StateArchive& archive) override;
 
  private:
+  /// Counts stops, and lets the smoother know of the motion. To be called once per observation, before the next.
+  void begin_motion();
   void move_particles();
-  /// \param body notes in fits_ what particles [begin, end) say
+  [[nodiscard]] Rng motion_rng(std::size_t i) const {
+    return Rng(seed_, stream_id("particle_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i));
+  }
+  /// What all particles say is in fits_.
   /// \param echoes of which the noise is learned, from residuals_
-  void observe(const Stamp& stamp, const std::function<void(std::size_t, std::size_t)>& body, std::size_t echoes = 0);
+  void observe(const Stamp& stamp, std::size_t echoes = 0);
   void learn_noise(std::size_t echoes);
   [[nodiscard]] LandmarkMap filtered_map() const;
 

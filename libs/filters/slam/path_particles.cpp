@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/error.hpp"
 #include "particle/pose_apf.hpp"
 
 namespace noctule::filters {
@@ -154,6 +155,27 @@ std::span<const std::uint32_t> PathParticles::resample(particle::Apf* apf, parti
   }
   ++step_;
   return estimate_.resampled ? std::span<const std::uint32_t>(ancestors_) : std::span<const std::uint32_t>();
+}
+
+void PathParticles::spread(const ParticleCloud& poses) {
+  if (poses.particles.empty()) throw InputError("poses to begin at: expected some, got none");
+  double total = 0.0;
+  for (const WeightedPose& p : poses.particles) total += p.weight;
+  double cumulative = poses.particles[0].weight;
+  for (std::size_t i = 0, k = 0; i < size(); ++i) {
+    const double tooth = (static_cast<double>(i) + 0.5) / static_cast<double>(size()) * total;
+    while (cumulative < tooth && k + 1 < poses.particles.size()) cumulative += poses.particles[++k].weight;
+    poses_[i] = poses.particles[k].pose;
+  }
+  estimate_.pose = poses_[0];
+}
+
+void PathParticles::transfer(StateArchive& archive) {
+  archive(step_, poses_, pending_, moving_, weights_, best_);
+  paths_.transfer(archive, [&](PathPose& p) { archive(p.scan_seq, p.utime, p.pose); });
+  SlamEstimate& e = estimate_;
+  archive(e.stamp, e.pose, e.covariance, e.particles, e.effective_sample_size, e.distinct_particles,
+          e.distinct_ancestors, e.resampled, e.noise_scale, e.nis);
 }
 
 ParticleCloud PathParticles::cloud(int at_most) const {

@@ -8,19 +8,13 @@
 
 #include "core/estimate.hpp"
 #include "core/stamp.hpp"
+#include "filters/slam/observation_fit.hpp"
 #include "filters/slam/parameters.hpp"
 #include "particle/apf.hpp"
 #include "particle/genealogy.hpp"
 #include "particle/weights.hpp"
 
 namespace noctule::filters {
-
-/// What an observation says about a particle.
-struct ObservationFit {
-  double log_likelihood = 0.0;
-  double nis = 0.0;            ///< sum of the squared normalised innovations ...
-  int degrees_of_freedom = 0;  ///< ... and how many numbers they came from
-};
 
 struct ResamplingRule {
   particle::Resampling method = particle::Resampling::systematic;
@@ -67,6 +61,11 @@ class PathParticles {
   [[nodiscard]] const SlamEstimate& estimate() const { return estimate_; }
   [[nodiscard]] PathEstimate path() const { return {estimate_.stamp, paths_.history(best_)}; }
   [[nodiscard]] ParticleCloud cloud(int at_most) const;
+  /// Before any observation: spreads the particles over these poses, as their weights say.
+  /// \throws InputError when there is none
+  void spread(const ParticleCloud& poses);
+
+  void transfer(StateArchive& archive);
 
  private:
   [[nodiscard]] Pose2 present(std::size_t i) const { return moving_ ? poses_[i] * pending_.mean : poses_[i]; }

@@ -287,6 +287,13 @@ PathSmoother::PathSmoother(const PathSmootherParameters& smoother, const EchoPar
                            const Pose2& start)
     : parameters_(smoother), echo_(echo), point_radius_sd_(point_radius_sd), start_(start) {}
 
+void PathSmoother::transfer(StateArchive& archive) {
+  archive.each(nodes_, Node{},
+               [&](Node& n) { archive(n.increment, n.information, n.echoes_end, n.noise, n.bearing_sd); });
+  archive.each(echoes_, SensedEcho{}, [&](SensedEcho& e) { archive(e.sensor, e.axis, e.range, e.sd); });
+  archive.each(noises_, models::NoiseMixture<1>{}, [&](models::NoiseMixture<1>& n) { archive(n); });
+}
+
 void PathSmoother::add_node(const PoseGaussian& motion) {
   // Odometry made from two controls has a covariance of rank 2, and a robot at rest none at all.
   Matrix3 covariance = motion.covariance;

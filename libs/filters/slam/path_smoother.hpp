@@ -36,19 +36,21 @@ class PathSmoother {
   /// \param path of the filter, a pose per node \param map of the filter; landmarks of undecided type are left out
   [[nodiscard]] SmoothedPath smooth(std::span<const Pose2> path, const LandmarkMap& map) const;
 
+  void transfer(StateArchive& archive);
+
  private:
   friend class SmoothingProblem;
   struct SensedEcho {
-    Vector2 sensor;  ///< in base_link
-    Vector2 axis;    ///< unit vector in base_link
-    double range, sd;
+    Vector2 sensor = Vector2::Zero();  ///< in base_link
+    Vector2 axis = Vector2::UnitX();   ///< unit vector in base_link
+    double range = 0.0, sd = 0.0;
   };
   struct Node {
     Pose2 increment;
-    Matrix3 information;  ///< of the increment
-    std::size_t echoes_end;
-    std::size_t noise;  ///< index into noises_
-    double bearing_sd;
+    Matrix3 information = Matrix3::Zero();  ///< of the increment
+    std::size_t echoes_end = 0;
+    std::size_t noise = 0;  ///< index into noises_
+    double bearing_sd = 0.0;
   };
 
   PathSmootherParameters parameters_;

@@ -7,8 +7,10 @@
 
 #include "core/estimate.hpp"
 #include "core/limits.hpp"
+#include "core/observations.hpp"
 #include "core/pair.hpp"
 #include "core/pose2.hpp"
+#include "core/state_archive.hpp"
 
 namespace noctule::filters {
 
@@ -36,6 +38,7 @@ struct PointLandmark : LandmarkState<double> {
     xy = covariance(0, 1);
     yy = covariance(1, 1);
   }
+  void transfer(StateArchive& archive) { archive(x, y, xx, xy, yy, id, existence, observations); }
   [[nodiscard]] LandmarkEstimate estimate() const {
     LandmarkEstimate e;
     e.id = id;
@@ -59,12 +62,29 @@ struct Whitening {
   double rr = 1.0, br = 0.0, bb = 1.0;
 };
 
-/// One sighting of a message, as the particles take it in. Where the noise is learned its covariance is what the filter
-/// believes, else what the sensor states.
+/// One sighting of a message, as the particles take it in. What it does not measure is taken as a number of variance 1
+/// that comes out as predicted, whatever the state: it adds to no innovation, gain or density. Where the noise is
+/// learned the covariance is what the filter believes, else what the sensor states.
 struct Sighting : RangeBearing<double> {
+  DetectionKind kind = DetectionKind::range_bearing;
   std::int64_t id = -1;     ///< of the landmark, or -1
   std::int64_t new_id = 0;  ///< of the landmark that it may start
   Whitening stated;         ///< by the covariance that the sensor states; set where the noise is learned
+
+  Sighting() = default;
+  Sighting(const LandmarkDetection& d, std::int64_t new_name)
+      : RangeBearing{d.range, wrap(d.bearing), d.covariance(0, 0), d.covariance(0, 1), d.covariance(1, 1)},
+        kind(d.kind),
+        id(d.id),
+        new_id(new_name) {
+    if (is_whole()) return;
+    rb = 0.0;
+    (kind == DetectionKind::bearing_only ? rr : bb) = 1.0;
+  }
+  [[nodiscard]] bool is_whole() const { return kind == DetectionKind::range_bearing; }
+  void transfer(StateArchive& archive) { archive(range, bearing, rr, rb, bb, kind, id, new_id); }
+  /// How many numbers it measures.
+  [[nodiscard]] int numbers() const { return is_whole() ? 2 : 1; }
 };
 
 /// Innovation of a sighting of a landmark, with what its covariance is made of.
@@ -124,6 +144,32 @@ template <class T>
   return {v.ux * c.xr + v.uy * c.yr + z.rr, v.ux * c.xb + v.uy * c.yb + z.rb,
           v.inverse_range * (v.ux * c.yb - v.uy * c.xb) + z.bb, v};
 }
+
+/// A sighting as it is predicted from a pose taken as known: what it does not measure left out.
+struct PredictedSighting {
+  Innovation v;
+  CrossCovariance<double> c;
+  InnovationCovariance s;
+
+  PredictedSighting(const LandmarkState<double>& m, const Sighting& z, const Pose2& sensor)
+      : v(innovation<double>(z, sensor, m.x, m.y)),
+        c(cross_covariance<double>(m, v)),
+        s(innovation_covariance<double>(z, v, c)) {
+    if (z.is_whole()) return;
+    leave_out(z.kind);
+  }
+
+ private:
+  void leave_out(DetectionKind kind) {
+    if (kind == DetectionKind::bearing_only) {
+      v.range = c.xr = c.yr = 0.0;
+      s = {1.0, 0.0, s.bb, v};
+    } else {
+      v.bearing = c.xb = c.yb = 0.0;
+      s = {s.rr, 0.0, 1.0, v};
+    }
+  }
+};
 
 /// Kalman update from a pose taken as known. \pre distance2 of s is finite
 template <class T>

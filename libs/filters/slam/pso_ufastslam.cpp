@@ -32,9 +32,9 @@ void PsoUFastSlam::observe(const Stamp& stamp) {
   for_particles([this](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) update_landmarks(points_.view(i), particles_.poses()[i]);
   });
-  points_.live();
   learn_noise();
   motion_ = {};
+  live_after_weighing();
   particles_.record(stamp, fits_);
 }
 
@@ -90,17 +90,16 @@ PsoUFastSlam::Fitness PsoUFastSlam::fitness(std::size_t i, const Vector3& place)
   const std::size_t known = seen.maps.size(i);
   const Pose2 sensor = sensor_pose(members_[i].before * motion_at(place), seen.scan.sensor_in_base);
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < seen.slots.size(); ++k) {
     if (!seen.is_known(k, known)) {
-      ++free;
+      log_free += seen.log_new(k);
       continue;
     }
-    const PointLandmark& m = seen.landmark(k);
-    const Innovation v = innovation<double>(seen.scan.sightings[k], sensor, m.x, m.y);
-    density.multiply(innovation_covariance<double>(seen.scan.sightings[k], v, cross_covariance<double>(m, v)));
+    const Sighting& z = seen.scan.sightings[k];
+    density.multiply(PredictedSighting(seen.landmark(k), z, sensor).s, z);
   }
-  const ObservationFit fit = density.fit(free, seen.log_new_density);
+  const ObservationFit fit = density.fit(log_free);
   return {fit.log_likelihood - 0.5 * place.squaredNorm(), fit.log_likelihood, fit.nis};
 }
 

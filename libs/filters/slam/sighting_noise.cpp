@@ -1,5 +1,7 @@
 #include "filters/slam/sighting_noise.hpp"
 
+#include <algorithm>
+
 #include "core/pose2.hpp"
 
 namespace noctule::filters {
@@ -29,11 +31,12 @@ Matrix2 whitened(const Whitening& w, const SightingCovariance& p) {
 
 void SightingNoise::begin(std::span<Sighting> sightings) {
   if (!learns()) return;
-  model_.begin(sightings.size());
+  model_.begin(static_cast<std::size_t>(std::ranges::count_if(sightings, &Sighting::is_whole)));
   width_ = sightings.size();
   residuals_.assign(width_ * particles_, {});
   const Matrix2 believed = model_.mixture().effective(Vector2::Zero()).covariance;
   for (Sighting& z : sightings) {
+    if (!z.is_whole()) continue;
     const double root = std::sqrt(z.rr), skew = z.rb / root;
     z.stated.rr = 1.0 / root;
     z.stated.bb = 1.0 / std::sqrt(z.bb - skew * skew);
@@ -65,7 +68,7 @@ SightingNoise::Judgement SightingNoise::judge(const Sighting& z, const Innovatio
 void SightingNoise::note(const ParticleView& view, const Pose2& pose, std::size_t known) {
   const Pose2 sensor = sensor_pose(pose, view.scan.sensor_in_base);
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
-    if (!view.is_known(k, known)) continue;
+    if (!view.is_known(k, known) || !view.scan.sightings[k].is_whole()) continue;
     const Sighting& z = view.scan.sightings[k];
     const PointLandmark& m = view.landmark(k);
     const Innovation v = innovation<double>(z, sensor, m.x, m.y);

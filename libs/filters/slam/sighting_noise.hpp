@@ -17,7 +17,8 @@ struct SightingCovariance {
 };
 
 /// Once per message: begin(), then judge() and note() for each particle, then learn(). Residuals are in units of the
-/// noise that each sighting states, whitened by the lower triangular root of its covariance.
+/// noise that each sighting states, whitened by the lower triangular root of its covariance. Of a bearing or a range
+/// alone nothing is learned, and its noise is what it states.
 class SightingNoise {
  public:
   /// \throws std::invalid_argument never; parameters are checked with the filter's
@@ -50,6 +51,8 @@ class SightingNoise {
   /// Root mean square of the believed noise over the latest sightings, in units of the stated one.
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] const models::NoiseMixture<2>& mixture() const { return model_.mixture(); }
+
+  void transfer(StateArchive& archive) { archive(model_, scale_); }
 
  private:
   struct Residual {

@@ -5,6 +5,7 @@
 #include "core/estimate.hpp"
 #include "core/features.hpp"
 #include "core/observations.hpp"
+#include "core/state_archive.hpp"
 
 namespace noctule::filters {
 
@@ -36,6 +37,15 @@ class SlamFilter {
   [[nodiscard]] virtual ParticleCloud particles(int at_most) const = 0;
   /// How often the likelihood of all particles was 0 and the weights were made equal.
   [[nodiscard]] virtual std::int64_t collapses() const = 0;
+
+  /// Begins on a map that is known beforehand, and somewhere among these poses: before any observation.
+  /// \throws InputError when the map has landmarks that are not points, or there is no pose
+  virtual void begin_on(const LandmarkMap& map, const ParticleCloud& poses) = 0;
+
+  /// The whole state, between two observations: a filter of the same parameters and seed that reads it goes on as this
+  /// one would, bit by bit. \throws InputError when the bytes are no state of such a filter: then it is of no use any
+  /// more
+  virtual void transfer(StateArchive& archive) = 0;
 };
 
 }  // namespace noctule::filters

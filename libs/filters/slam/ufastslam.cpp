@@ -14,6 +14,15 @@ struct Spread {
   std::array<double, 2 * Columns> range, bearing;
 };
 
+/// What a sighting does not measure is predicted as it came out.
+template <int Columns>
+void leave_out(const Sighting& z, Innovation& v, Spread<Columns>& s) {
+  if (z.is_whole()) return;
+  const bool no_range = z.kind == DetectionKind::bearing_only;
+  (no_range ? v.range : v.bearing) = 0.0;
+  (no_range ? s.range : s.bearing).fill(0.0);
+}
+
 /// Offsets of the points `dx, dy` (from the sensor to the landmark) from the centre's.
 template <int Columns>
 Spread<Columns> offsets(double cx, double cy, double centre_range, const std::array<double, 2 * Columns>& dx,
@@ -90,6 +99,7 @@ struct UnscentedUpdate {
     const double ax = w.spread * p.root.xx, ay = w.spread * p.root.yx, by = w.spread * p.root.yy;
     p.spread =
         offsets<2>(cx, cy, z.range - p.v.range, {cx + ax, cx - ax, cx, cx}, {cy + ay, cy - ay, cy + by, cy - by});
+    leave_out(z, p.v, p.spread);
     p.moments = moments(p.spread.range, p.spread.bearing, w);
     return p;
   }
@@ -99,8 +109,8 @@ struct UnscentedUpdate {
     Innovation v = p.v;
     v.range -= p.moments.range;
     v.bearing = wrap(v.bearing - p.moments.bearing);
-    const SightingCovariance r = weigh(noise, z, v, {p.moments.rr, p.moments.rb, p.moments.bb}, density);
-    const InnovationCovariance s(p.moments.rr + r.rr, p.moments.rb + r.rb, p.moments.bb + r.bb, v);
+    const InnovationCovariance stated(p.moments.rr + z.rr, p.moments.rb + z.rb, p.moments.bb + z.bb, v);
+    const InnovationCovariance s = weigh(noise, z, v, stated, density);
     const double a = w.other * w.spread * p.root.xx, b = w.other * w.spread * p.root.yx,
                  c = w.other * w.spread * p.root.yy;
     const double first_r = p.spread.range[0] - p.spread.range[1], second_r = p.spread.range[2] - p.spread.range[3];
@@ -141,10 +151,10 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
   const bool off_centre = mount.x != 0.0 || mount.y != 0.0;
   const double cosine = std::cos(before.yaw), sine = std::sin(before.yaw);
   LogDensity density;
-  int free = 0;
+  double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
     if (!view.is_known(k, known)) {
-      ++free;
+      log_free += view.log_new(k);
       continue;
     }
     const Sighting& z = view.scan.sightings[k];
@@ -180,16 +190,19 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
     Innovation v = innovation<double>(z, sensor, m.x, m.y);
     Spread<5> spread = offsets<5>(cx, cy, z.range - v.range, dx, dy);
     for (std::size_t i = 0; i < 6; ++i) spread.bearing[i] -= turn[i];
+    leave_out(z, v, spread);
     const Moments s = moments(spread.range, spread.bearing, w);
     v.range -= s.range;
     v.bearing = wrap(v.bearing - s.bearing);
-    SightingCovariance expected{s.rr, s.rb, s.bb};
-    if (!erb) {  // eq. 24, 25: the weight knows what the proposal does not
-      const Moments l = landmark_update.predict(m, z, sensor).moments;
-      expected = {s.rr + l.rr, s.rb + l.rb, s.bb + l.bb};
+    const InnovationCovariance stated(s.rr + z.rr, s.rb + z.rb, s.bb + z.bb, v);
+    Moments l;  // of what the weight knows and the proposal does not (eq. 24, 25)
+    if (!erb) {
+      l = landmark_update.predict(m, z, sensor).moments;
     }
-    const SightingCovariance r = weigh(landmark_update.noise, z, v, expected, density);
-    const InnovationCovariance gain_s(s.rr + r.rr, s.rb + r.rb, s.bb + r.bb, v);
+    const InnovationCovariance weighed(stated.rr + l.rr, stated.rb + l.rb, stated.bb + l.bb, v);
+    const InnovationCovariance believed = weigh(landmark_update.noise, z, v, weighed, density);
+    const InnovationCovariance gain_s(stated.rr + (believed.rr - weighed.rr), stated.rb + (believed.rb - weighed.rb),
+                                      stated.bb + (believed.bb - weighed.bb), v);
     if (!(gain_s.distance2 < kInf)) continue;
 
     Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
@@ -205,7 +218,7 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
     q.covariance -= gain * cross.transpose();
     symmetrise(q.covariance);
   }
-  q.fit = density.fit(free, view.log_new_density);
+  q.fit = density.fit(log_free);
   return q;
 }
 

@@ -71,6 +71,7 @@ void publish_all(bus::Bus& bus) {
   bus.publish(channel::kSlamParticles, to_message(random.particle_cloud()));
   bus.publish(channel::kSlamMap, to_message(random.landmark_map()));
   bus.publish(channel::kContourMap, to_message(random.contour_map()));
+  bus.publish(channel::kCameraImage, to_message(random.camera_image()));
 }
 
 TEST(Golden, BytesOfALog) {
@@ -105,6 +106,7 @@ TEST(Golden, TheLogIsReadAsTheValuesThatWereWritten) {
   expect_next("SLAM_PARTICLES", random.particle_cloud());
   expect_next("SLAM_MAP", random.landmark_map());
   expect_next("CONTOUR_MAP", random.contour_map());
+  expect_next("CAMERA_IMAGE", random.camera_image());
   EXPECT_FALSE(log.next().has_value());
 }
 

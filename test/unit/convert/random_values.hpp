@@ -6,6 +6,7 @@
 #include "core/contour.hpp"
 #include "core/estimate.hpp"
 #include "core/features.hpp"
+#include "core/image.hpp"
 #include "core/observations.hpp"
 #include "core/rng.hpp"
 
@@ -35,6 +36,16 @@ class RandomValues {
   }
 
   GroundTruth ground_truth() { return {stamp(), pose()}; }
+
+  CameraImage camera_image() {
+    CameraImage value{stamp(), {}};
+    value.image.width = 2 + static_cast<int>(rng_.index(5));
+    value.image.height = 2 + static_cast<int>(rng_.index(5));
+    value.image.channels = rng_.index(2) == 0 ? 1 : 3;
+    value.image.pixels.resize(static_cast<std::size_t>(value.image.width * value.image.height * value.image.channels));
+    for (std::uint8_t& pixel : value.image.pixels) pixel = static_cast<std::uint8_t>(rng_.index(256));
+    return value;
+  }
 
   ContourFeatures contour_features() {
     return {stamp(), list<ContourFeature>([this] { return contour_feature(); })};

@@ -59,6 +59,20 @@ TEST(Refusal, NamesFieldExpectedAndGot) {
             "ultrasonic_scan.half_angle_rad: expected a finite number >= 0 <= 3.14159265, got 30");
 }
 
+TEST(Refusal, PixelsThatTheSizeDoesNotAccountFor) {
+  CameraImage image;
+  image.image = {.width = 3, .height = 2, .channels = 3, .pixels = std::vector<std::uint8_t>(18)};
+  EXPECT_EQ(refusal(image, [](auto& m) { m.width = 0; }),
+            "camera_image.width: expected an integer from 1 to 16384, got 0");
+  EXPECT_EQ(refusal(image, [](auto& m) { m.height = -2; }),
+            "camera_image.height: expected an integer from 1 to 16384, got -2");
+  EXPECT_EQ(refusal(image, [](auto& m) { m.width = 2; }), "camera_image.byte_count: expected 12, got 18");
+  EXPECT_EQ(refusal(image, [](auto& m) { m.width = 2'000'000'000; }),
+            "camera_image.width: expected an integer from 1 to 16384, got 2000000000");
+  EXPECT_EQ(refusal(image, [](auto& m) { m.encoding = camera_image::ENCODING_JPEG; }),
+            "camera_image.encoding: expected a code from 0 to 1, got 2");
+}
+
 TEST(Refusal, NamesTheElementOfAListInAList) {
   ContourFeatures features;
   features.features.resize(3);

@@ -33,6 +33,7 @@ TEST(Convert, EveryValueSurvivesTheWayOverTheBusToTheBit) {
     expect_same(random.particle_cloud());
     expect_same(random.landmark_map());
     expect_same(random.contour_map());
+    expect_same(random.camera_image());
   }
 }
 

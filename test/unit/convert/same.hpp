@@ -10,6 +10,7 @@
 #include "core/contour.hpp"
 #include "core/estimate.hpp"
 #include "core/features.hpp"
+#include "core/image.hpp"
 #include "core/observations.hpp"
 
 namespace noctule::convert {
@@ -32,6 +33,8 @@ NOCTULE_FIELDS(UltrasonicScan, a, b, c, d, e)
 NOCTULE_FIELDS(LandmarkDetection, a, b, c, d, e, f)
 NOCTULE_FIELDS(LandmarkDetections, a, b, c)
 NOCTULE_FIELDS(GroundTruth, a, b)
+NOCTULE_FIELDS(Image, a, b, c, d)
+NOCTULE_FIELDS(CameraImage, a, b)
 NOCTULE_FIELDS(ReadingId, a, b)
 NOCTULE_FIELDS(Wall, a, b)
 NOCTULE_FIELDS(Cylinder, a, b)

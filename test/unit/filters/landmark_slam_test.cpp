@@ -247,7 +247,9 @@ TEST(LandmarkSlam, RefusesWhatItCannotUse) {
     EXPECT_THROW(filter->update(d), InputError);  // the same seq again
     d.stamp.seq = 1;
     d.detections[0].kind = DetectionKind::bearing_only;
+    d.detections[0].covariance(1, 1) = 0.0;
     EXPECT_THROW(filter->update(d), InputError);
+    d.detections[0].covariance(1, 1) = 1.0;
     d.detections[0].kind = DetectionKind::range_bearing;
     d.detections[0].range = std::nan("");
     EXPECT_THROW(filter->update(d), InputError);

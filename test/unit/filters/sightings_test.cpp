@@ -199,8 +199,14 @@ TEST(Sightings, RefusesWhatItCannotUse) {
     EXPECT_THROW(filter.update(message), InputError);
   };
   const double nan = std::nan("");
-  expect_refused([](auto& m) { m.detections[1].kind = DetectionKind::bearing_only; });
-  expect_refused([](auto& m) { m.detections[1].kind = DetectionKind::range_only; });
+  expect_refused([](auto& m) {
+    m.detections[1].kind = DetectionKind::bearing_only;
+    m.detections[1].covariance(1, 1) = 0.0;
+  });
+  expect_refused([&](auto& m) {
+    m.detections[1].kind = DetectionKind::range_only;
+    m.detections[1].range = nan;
+  });
   expect_refused([&](auto& m) { m.detections[1].range = nan; });
   expect_refused([](auto& m) { m.detections[1].range = -2.0; });
   expect_refused([&](auto& m) { m.detections[1].bearing = nan; });
