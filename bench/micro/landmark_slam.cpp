@@ -8,6 +8,7 @@
 #include "core/rng.hpp"
 #include "filters/slam/fastslam.hpp"
 #include "filters/slam/ufastslam.hpp"
+#include "particle/parallel.hpp"
 
 namespace {
 
@@ -184,11 +185,28 @@ BENCHMARK(fastslam2)->Apply(sizes);
 BENCHMARK(ufastslam)->Apply(sizes);
 BENCHMARK(web_fastslam1)->ArgName("particles")->Arg(20)->Arg(100)->Arg(1000);
 BENCHMARK(web_fastslam2)->ArgName("particles")->Arg(20)->Arg(100)->Arg(1000);
+/// What the same cores give a loop that is arithmetic alone, over as many particles: the limit of any scaling.
+void plain_threads(benchmark::State& state) {
+  const auto n = static_cast<std::size_t>(state.range(0));
+  std::vector<double> sums(n);
+  for (auto _ : state) {
+    particle::for_blocks(n, static_cast<int>(state.range(1)), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        double x = 1.0 + 1e-3 * static_cast<double>(i);
+        for (int k = 0; k < 60; ++k) x = 0.5 * (x + 2.0 / x);
+        sums[i] = x;
+      }
+    });
+    benchmark::DoNotOptimize(sums.data());
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(plain_threads)->ArgNames({"particles", "threads"})->ArgsProduct({{500, 1000}, {1, 2}})->UseRealTime();
 /// The second core.
 BENCHMARK(fastslam1)
     ->Name("threads")
     ->ArgNames({"particles", "map", "threads"})
-    ->ArgsProduct({{1000}, {100}, {1, 2}})
+    ->ArgsProduct({{500, 1000}, {100}, {1, 2}})
     ->UseRealTime();
 /// Which storage wins, and what a cycle and a particle's map cost as maps and particles grow.
 BENCHMARK(fastslam1_flat)->Apply([](auto* b) { with_sizes(b, {100}, {20, 40, 80, 160, 320, 640}); });

@@ -31,8 +31,9 @@ struct Row {
   double milliseconds = 0.0;
 };
 
+/// \param predicted whether the detector is told where the sign must appear, to 10 cm and 1 degree
 Row run(LandmarkDetector& detector, const View& view, int trials, std::uint64_t seed,
-        const std::vector<PlanarPicture>& pictures) {
+        const std::vector<PlanarPicture>& pictures, bool predicted = false) {
   Row row;
   for (int trial = 0; trial < trials; ++trial) {
     Rng rng(seed, stream_id("camera_detection"), static_cast<std::uint64_t>(trial));
@@ -42,8 +43,15 @@ Row run(LandmarkDetector& detector, const View& view, int trials, std::uint64_t 
     const Flat flat{pictures[which], camera_scene::facing(detector.mounting(), view.range, bearing, height, angle)};
     const CameraImage image{{trial, trial},
                             camera_scene::photograph(detector.camera(), {&flat, 1}, view.exposure, rng)};
+    const double range_sd = 0.1, bearing_sd = radians(1.0);
+    std::vector<LandmarkPrediction> expected;
+    if (predicted) {
+      expected.push_back({static_cast<std::int64_t>(which), view.range + range_sd * rng.normal(),
+                          bearing + bearing_sd * rng.normal(),
+                          Vector2(range_sd * range_sd, bearing_sd * bearing_sd).asDiagonal()});
+    }
     const std::clock_t start = std::clock();
-    const LandmarkDetections seen = detector.detect(image);
+    const LandmarkDetections seen = detector.detect(image, expected);
     row.milliseconds += 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     ++row.trials;
     for (const LandmarkDetection& d : seen.detections) {
@@ -94,10 +102,11 @@ int main(int argc, char** argv) {
       "detector,range_m,angle_deg,blur_px,noise,trials,found,wrong,range_bias_mm,range_rmse_mm,range_sd_mm,"
       "bearing_bias_deg,bearing_rmse_deg,bearing_sd_deg,nees,ms\n");
   std::vector<View> views;
-  for (const double range : {0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0}) views.push_back({range, 0.0, {}});
-  for (const double angle : {20.0, 40.0, 50.0, 60.0, 70.0}) views.push_back({2.0, radians(angle), {}});
+  for (const double range : {0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 4.5, 5.0, 6.0}) views.push_back({range, 0.0, {}});
+  for (const double angle : {20.0, 40.0, 50.0, 55.0, 60.0, 70.0}) views.push_back({2.0, radians(angle), {}});
   for (const double blur : {0.0, 1.5, 2.5}) views.push_back({2.0, 0.0, {.blur = blur}});
   for (const double noise : {0.0, 5.0, 10.0, 20.0}) views.push_back({2.0, 0.0, {.noise = noise}});
   for (const View& view : views) print("fiducial", view, run(*fiducial_detector, view, trials, seed, markers));
   for (const View& view : views) print("sign", view, run(*sign_detector, view, trials, seed, pictures));
+  for (const View& view : views) print("sign_predicted", view, run(*sign_detector, view, trials, seed, pictures, true));
 }

@@ -1,6 +1,7 @@
 #include "modules/slam_module.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/error.hpp"
@@ -33,9 +34,9 @@ SlamModule::SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, co
     resumed_at_ = seen_until_;
   }
   if (parameters.prior) begin_on(*parameters.prior, start);
-  listen<odometry>(bus::channel::kOdometry, [this](const Odometry& o) { take(o); });
-  listen<landmark_detections>(bus::channel::kLandmarkDetections, [this](const LandmarkDetections& d) { take(d); });
-  listen<ultrasonic_scan>(bus::channel::kUltrasonicScan, [this](const UltrasonicScan& scan) { take(scan); });
+  listen<odometry>(bus::channel::kOdometry, [this](const Odometry& o) { receive(o); });
+  listen<landmark_detections>(bus::channel::kLandmarkDetections, [this](const LandmarkDetections& d) { receive(d); });
+  listen<ultrasonic_scan>(bus::channel::kUltrasonicScan, [this](const UltrasonicScan& scan) { receive(scan); });
   std::set<std::string> awaited{name::kSource};
   if (input.features) {
     listen<contour_features>(bus::channel::kContourFeatures, [this](const ContourFeatures& f) { take_features(f); });
@@ -43,6 +44,19 @@ SlamModule::SlamModule(bus::Bus& bus, const SlamModuleParameters& parameters, co
   }
   if (input.camera) awaited.insert(name::kCamera);
   finish_after(std::move(awaited));
+}
+
+void SlamModule::receive(Input input) {
+  const auto utime = [](const Input& i) { return std::visit([](const auto& value) { return value.stamp.utime; }, i); };
+  if (parameters_.lag == 0.0) return take(std::move(input));
+  const auto later = std::ranges::upper_bound(lagging_, utime(input), {}, utime);
+  lagging_.insert(later, std::move(input));
+  const std::int64_t due = utime(lagging_.back()) - std::llround(1e6 * parameters_.lag);
+  while (utime(lagging_.front()) <= due) {
+    Input next = std::move(lagging_.front());
+    lagging_.pop_front();
+    take(std::move(next));
+  }
 }
 
 void SlamModule::begin_on(const PriorMapParameters& prior, const Pose2& start) {
@@ -57,6 +71,13 @@ void SlamModule::begin_on(const PriorMapParameters& prior, const Pose2& start) {
 }
 
 void SlamModule::take(Input input) {
+  if (const auto* motion = std::get_if<Odometry>(&input)) moved_utime_ = motion->stamp.utime;
+  if (const auto* sightings = std::get_if<LandmarkDetections>(&input)) {
+    if (input_.camera && sightings->stamp.utime < moved_utime_) {
+      return count_dropped("sightings " + std::to_string(sightings->stamp.seq) +
+                           " came when the base had moved on: see slam.lag_s");
+    }
+  }
   const auto* scan = std::get_if<UltrasonicScan>(&input);
   if (scan == nullptr || !input_.features) {
     if (waiting_.empty()) return process(input, {});
@@ -70,10 +91,9 @@ void SlamModule::take(Input input) {
   }
   const std::int64_t seq = scan->stamp.seq;
   waiting_.push_back(std::move(input));
-  if (early_features_ && early_features_->stamp.seq == seq) {
-    const ContourFeatures features = *std::exchange(early_features_, std::nullopt);
-    process_waiting(&features);
-  }
+  const auto early = early_features_.extract(seq);
+  if (!early.empty()) process_waiting(&early.mapped());
+  early_features_.erase(early_features_.begin(), early_features_.upper_bound(seq));
 }
 
 void SlamModule::take_features(const ContourFeatures& features) {
@@ -82,7 +102,7 @@ void SlamModule::take_features(const ContourFeatures& features) {
   if (features.stamp.seq < features_due_) {
     return count_dropped("contour features of scan " + std::to_string(features.stamp.seq) + " came too late");
   }
-  early_features_ = features;
+  early_features_.emplace(features.stamp.seq, features);
 }
 
 void SlamModule::process_waiting(const ContourFeatures* features) {
@@ -149,6 +169,7 @@ void SlamModule::publish_map() {
 }
 
 void SlamModule::on_finish() {
+  for (Input& input : std::exchange(lagging_, {})) take(std::move(input));
   if (!waiting_.empty()) {
     count_dropped("the last scan went into the filter without its contour features");
     process_waiting(nullptr);

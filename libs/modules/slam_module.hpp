@@ -1,6 +1,7 @@
 #pragma once
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -34,6 +35,7 @@ struct SlamModuleParameters {
   filters::SlamFilterParameters filter;
   double map_period = 5.0;
   int particles_shown = 200;
+  double lag = 0.0;
   std::filesystem::path save_state, load_state;
   std::optional<PriorMapParameters> prior;
 
@@ -44,6 +46,9 @@ struct SlamModuleParameters {
     v.field("map_period_s", &P::map_period, unit::second, "time between two maps and paths on the bus", positive());
     v.field("particles_shown", &P::particles_shown, unit::one, "most particles on the bus, for the eye",
             between(0, 1000));
+    v.field("lag_s", &P::lag, unit::second,
+            "time that everything waits for sightings of its time from a camera in another process; 0: none",
+            at_least(0.0));
     v.field("save_state", &P::save_state, "file that the filter's whole state is written to at the end; empty: none");
     v.field("load_state", &P::load_state,
             "file of such a state to go on from: what that run has seen is skipped; empty: none");
@@ -65,6 +70,9 @@ struct SlamInput {
 /// A scan waits for its features, and what comes meanwhile waits behind it, so that the filter sees everything in the
 /// order of the source however the messages of two processes interleave. When the next scan comes first, the features
 /// are lost or late: the scan goes in without, which is counted.
+/// Sightings of a camera in another process come when the base has moved on. With a lag, everything waits for so long
+/// (of message time) and goes in by time; sightings that are older than the odometry in the filter are dropped and
+/// counted.
 /// On a map of an earlier run the robot is looked for first: SLAM_ESTIMATE and SLAM_PARTICLES are of that search until
 /// the pose is known, and the filter begins there. What the search has seen teaches the map nothing.
 class SlamModule : public Module {
@@ -75,6 +83,7 @@ class SlamModule : public Module {
  private:
   using Input = std::variant<Odometry, UltrasonicScan, LandmarkDetections>;
 
+  void receive(Input input);
   void take(Input input);
   void take_features(const ContourFeatures& features);
   void process_waiting(const ContourFeatures* features);
@@ -93,10 +102,12 @@ class SlamModule : public Module {
   std::optional<filters::GlobalLocalisation> localisation_;  ///< ... by this
   std::int64_t seen_until_;                                  ///< time of the latest observation
   std::optional<std::int64_t> resumed_at_;                   ///< what is not newer is in the state that was loaded
-  std::deque<Input> waiting_;                      ///< empty, or a scan without features and what came after it
-  std::optional<ContourFeatures> early_features_;  ///< overtook their scan
-  double mean_nis_ = 1.0;                          ///< NIS under the nominal noise, faded
-  std::int64_t features_due_ = 0;                  ///< number of the first scan whose features may still come
+  std::deque<Input> lagging_;                                ///< by time
+  std::int64_t moved_utime_ = 0;                             ///< of the latest odometry that the filter may have
+  std::deque<Input> waiting_;  ///< empty, or a scan without features and what came after it
+  std::map<std::int64_t, ContourFeatures> early_features_;  ///< by number of the scan that they overtook
+  double mean_nis_ = 1.0;                                   ///< NIS under the nominal noise, faded
+  std::int64_t features_due_ = 0;                           ///< number of the first scan whose features may still come
   std::optional<std::int64_t> map_utime_;
 };
 

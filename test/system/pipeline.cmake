@@ -7,7 +7,7 @@ target_link_libraries(pipeline_test PRIVATE noctule::bus noctule::convert noctul
 target_include_directories(pipeline_test PRIVATE ${PROJECT_SOURCE_DIR}/test)
 target_compile_definitions(pipeline_test PRIVATE NOCTULE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                  NOCTULE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
-foreach(app pipeline sim player ultrasonic slam mapper)
+foreach(app pipeline sim player ultrasonic camera slam mapper)
   add_dependencies(pipeline_test noctule-${app})
 endforeach()
 gtest_discover_tests(pipeline_test TEST_PREFIX system. PROPERTIES LABELS system TIMEOUT 300)

@@ -15,7 +15,10 @@
 namespace noctule::filters {
 
 EkfSlam::EkfSlam(const EkfSlamParameters& parameters, const Pose2& start)
-    : rule_(parameters.sightings), mean_(start.vector()), covariance_(Eigen::MatrixXd::Zero(3, 3)) {
+    : rule_(parameters.sightings),
+      life_(parameters.life),
+      mean_(start.vector()),
+      covariance_(Eigen::MatrixXd::Zero(3, 3)) {
   require_sound(parameters, "EKF-SLAM");
   if (!start.finite()) throw InputError("EKF-SLAM: start: expected a finite pose");
   estimate_.pose = start;
@@ -50,11 +53,13 @@ void EkfSlam::update(const LandmarkDetections& message) {
   estimate_.nis = 0.0;
   associate(detections);
   take_in();
+  const std::size_t size_before = landmarks_.size();
   for (const std::size_t k : new_) {
     const LandmarkDetection& z = detections.detections[k];
     start(z, z.id >= 0 ? z.id : next_id_ - static_cast<std::int64_t>(k));
   }
   next_id_ -= static_cast<std::int64_t>(detections.detections.size());
+  if (life_) live(size_before);
 
   estimate_.stamp = detections.stamp;
   estimate_.pose = pose();
@@ -277,7 +282,8 @@ void EkfSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
     const Vector3 d = difference(pose, mean);
     spread += weight / total * d * d.transpose();
   }
-  for (const PointLandmark& m : known) landmarks_.push_back({m.id, m.observations});
+  const auto existence = static_cast<float>(life_ ? life_->confirm_above : 0.0);
+  for (const PointLandmark& m : known) landmarks_.push_back({m.id, m.observations, existence});
   mean_.resize(size());
   mean_.head<3>() = mean.vector();
   covariance_ = Eigen::MatrixXd::Zero(size(), size());
@@ -294,7 +300,7 @@ void EkfSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
 
 void EkfSlam::transfer(StateArchive& archive) {
   archive(mean_, covariance_, next_id_, collapses_, last_detections_);
-  archive.each(landmarks_, Named{}, [&](Named& n) { archive(n.id, n.observations); });
+  archive.each(landmarks_, Named{}, [&](Named& n) { archive(n.id, n.observations, n.existence); });
   archive.each(path_, PathPose{}, [&](PathPose& p) { archive(p.scan_seq, p.utime, p.pose); });
   archive(estimate_.stamp, estimate_.pose, estimate_.covariance, estimate_.nis);
   if (!archive.reads()) return;
@@ -308,6 +314,7 @@ void EkfSlam::transfer(StateArchive& archive) {
 LandmarkMap EkfSlam::map() const {
   LandmarkMap result{estimate_.stamp, {}};
   for (std::size_t k = 0; k < landmarks_.size(); ++k) {
+    if (life_ && landmarks_[k].id < 0 && landmarks_[k].existence < life_->confirm_above) continue;
     LandmarkEstimate& e = result.landmarks.emplace_back();
     e.id = landmarks_[k].id;
     e.parameters.head<2>() = position(k);

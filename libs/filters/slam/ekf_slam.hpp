@@ -63,13 +63,20 @@ class EkfSlam final : public SlamFilter {
   void stack(std::span<const Match> matches, Eigen::MatrixXd& pht, Eigen::MatrixXd& s) const;
   void take_in();
   void start(const LandmarkDetection& z, std::int64_t id);
+  void live(std::size_t size_before);
+  void judge_missed(std::span<const char> seen);
+  void merge_duplicates();
+  void merge(std::size_t survivor, std::size_t duplicate);
+  void remove(std::size_t landmark);
 
   struct Named {
     std::int64_t id;
     int observations;
+    float existence = 0.0f;  ///< log odds
   };
 
   MatchRule rule_;
+  std::optional<LandmarkLifeParameters> life_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;  ///< with room for more landmarks than there are
   std::vector<Named> landmarks_;

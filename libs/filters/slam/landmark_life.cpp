@@ -8,19 +8,6 @@
 namespace noctule::filters {
 namespace {
 
-/// Whether a landmark lies in the field of view, so far from its edge that its and the pose's errors do not matter.
-bool should_be_seen(const PointLandmark& m, const Pose2& sensor, const Matrix3& pose_covariance,
-                    const LandmarkLifeParameters& life) {
-  const double dx = m.x - sensor.x, dy = m.y - sensor.y;
-  const double r = std::sqrt(dx * dx + dy * dy);
-  const double variance = m.xx + m.yy + pose_covariance(0, 0) + pose_covariance(1, 1);
-  if (r > life.view_range - life.view_margin * std::sqrt(variance)) return false;
-  if (life.view_half_angle >= kPi) return true;
-  const double bearing = wrap(std::atan2(dy, dx) - sensor.yaw);
-  const double bearing_sd = std::sqrt(variance / std::max(r * r, 1e-12) + pose_covariance(2, 2));
-  return std::abs(bearing) < life.view_half_angle - life.view_margin * bearing_sd;
-}
-
 bool is_duplicate(const PointLandmark& a, const PointLandmark& b, double gate) {
   const Vector2 d = a.position() - b.position();
   const double bound = gate * (a.xx + a.yy + b.xx + b.yy);
@@ -38,6 +25,18 @@ void merge(PointLandmark& a, const PointLandmark& b) {
 }
 
 }  // namespace
+
+bool should_be_seen(const PointLandmark& m, const Pose2& sensor, const Matrix3& pose_covariance,
+                    const LandmarkLifeParameters& life) {
+  const double dx = m.x - sensor.x, dy = m.y - sensor.y;
+  const double r = std::sqrt(dx * dx + dy * dy);
+  const double variance = m.xx + m.yy + pose_covariance(0, 0) + pose_covariance(1, 1);
+  if (r > life.view_range - life.view_margin * std::sqrt(variance)) return false;
+  if (life.view_half_angle >= kPi) return true;
+  const double bearing = wrap(std::atan2(dy, dx) - sensor.yaw);
+  const double bearing_sd = std::sqrt(variance / std::max(r * r, 1e-12) + pose_covariance(2, 2));
+  return std::abs(bearing) < life.view_half_angle - life.view_margin * bearing_sd;
+}
 
 void find_events(const LandmarkScan& scan, const PredictedPose& pose, const LandmarkMaps& maps, std::size_t particle,
                  const LandmarkLifeParameters& life, std::span<const std::int32_t> slots, LifeEvents& events) {

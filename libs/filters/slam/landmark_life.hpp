@@ -40,6 +40,10 @@ struct LandmarkLifeParameters {
   }
 };
 
+/// Whether a landmark lies in the field of view, so far from its edge that its and the pose's errors do not matter.
+[[nodiscard]] bool should_be_seen(const PointLandmark& m, const Pose2& sensor, const Matrix3& pose_covariance,
+                                  const LandmarkLifeParameters& life);
+
 /// What a scan does to the landmarks of a particle beside the sightings it took.
 struct LifeEvents {
   std::size_t size_before = 0;       ///< landmarks before the scan

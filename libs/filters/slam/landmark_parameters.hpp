@@ -187,10 +187,13 @@ struct WocpfParameters : UFastSlamParameters {
 
 struct EkfSlamParameters {
   SightingParameters sightings;
+  std::optional<LandmarkLifeParameters> life;
 
   template <class Visitor>
   static void describe(Visitor& v) {
     v.group("sightings", &EkfSlamParameters::sightings, "sightings of landmarks of unknown identity");
+    v.group("life", &EkfSlamParameters::life,
+            "birth and death of such landmarks by what should be seen; absent: they live for ever");
   }
 };
 

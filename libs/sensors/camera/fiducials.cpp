@@ -35,9 +35,10 @@ int opencv_name(MarkerFamily family) {
   throw std::invalid_argument("fiducials: a family without a dictionary");
 }
 
-constexpr int kTexels = 8;          // of a picture per cell of a marker
-constexpr int kWindow = 11;         // of the adaptive threshold [pixels]
-constexpr double kThreshold = 7.0;  // below the mean of the window, at least [grey levels]
+constexpr int kTexels = 24;              // of a picture per cell of a marker
+constexpr double kMostStructure = 0.08;  // left over where a marker is not quite in its place
+constexpr int kWindow = 11;              // of the adaptive threshold [pixels]
+constexpr double kThreshold = 7.0;       // below the mean of the window, at least [grey levels]
 
 /// Sd of the noise, by the median of a difference that slopes and edges hardly move (Immerkaer: "Fast noise variance
 /// estimation", 1996). Less than three of it above the threshold, every speck of noise would be a contour to follow.
@@ -99,7 +100,8 @@ class FiducialDetector final : public LandmarkDetector {
     const auto start = pose_from_corners(camera(), black, corners);
     if (!start) return std::nullopt;
     const auto aligned = align_planar(camera(), grey, framed, *start);
-    if (!aligned || aligned->correlation < parameters_.min_correlation) return std::nullopt;
+    if (!aligned || aligned->correlation < parameters_.min_correlation || aligned->structure > kMostStructure)
+      return std::nullopt;
     auto outline = picture_outline(camera(), black, aligned->pose);
     if (!outline) return std::nullopt;
     CameraFinding finding{plane_sighting(mounting(), aligned->pose.translation, aligned->covariance),

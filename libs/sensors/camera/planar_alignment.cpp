@@ -14,8 +14,9 @@ namespace {
 constexpr double kLargest = 72.0;      // side of the picture, in blocks of pixels
 constexpr double kOversampling = 2.0;  // texels of the drawn picture per block
 constexpr int kFewest = 60;            // blocks
-constexpr int kMost = 2200;            // blocks; of more only every second, third ... is used
+constexpr int kMost = 1200;            // blocks; of more only every second, third ... is used
 constexpr int kSteps = 12;             // of a descent, at most
+constexpr double kGain = 3e-5;         // of a step below which the descent ends, in shares of the cost
 constexpr double kAmbiguous = 60.0;    // side of a picture below which its mirrored tilt is tried too [pixels]
 constexpr int kUnknowns = 9;           // three of place, three of rotation, brightness, contrast, blur
 constexpr std::array<double, 5> kBlurs{0.4, 0.7, 1.1, 1.7, 2.6};  // sd in blocks that are tried
@@ -259,10 +260,9 @@ class Aligner {
       const double ratio = r * r / (scale * scale);
       const double w = huber(ratio);
       cost += w < 1.0 ? 4.0 * std::sqrt(ratio) - 4.0 : ratio;
-      a.selfadjointView<Eigen::Lower>().rankUpdate(by, w);
+      a.noalias() += (w * by) * by.transpose();
       b += w * r * by;
     }
-    a.triangularView<Eigen::StrictlyUpper>() = a.transpose();
     return cost;
   }
 
@@ -291,7 +291,7 @@ class Aligner {
         b = next_b;
         cost = next_cost;
         damping *= 0.2;
-        if (gain < 1e-5 * cost) break;
+        if (gain < kGain * cost) break;
       } else {
         damping = std::max(1e-3, damping * 10.0);
         if (damping > 1e6) break;

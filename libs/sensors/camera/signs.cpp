@@ -21,7 +21,7 @@ namespace {
 constexpr int kPictureSide = 384;  // of a generated picture [pixels]
 /// Sides [pixels] at which the features of a sign are learnt; in between the levels of the image's pyramid help.
 constexpr std::array<double, 3> kLearntSides{40.0, 66.0, 110.0};
-constexpr int kLearntFeatures = 100;  // of each
+constexpr int kLearntFeatures = 80;  // of each
 constexpr double kLevelStep = 1.2;
 constexpr int kLevels = 7;
 
@@ -212,6 +212,11 @@ class SignDetector final : public LandmarkDetector {
     if (!start) return std::nullopt;
     const auto aligned = align_planar(camera(), grey, picture, *start);
     if (!aligned || aligned->correlation < parameters_.min_correlation) return std::nullopt;
+    // Few matches say little: then the pixels must say it all.
+    const bool many = set.size() >= static_cast<std::size_t>(parameters_.min_homography);
+    constexpr double kStructureOfFew = 0.08;
+    if (aligned->structure > (many ? parameters_.max_structure : std::min(kStructureOfFew, parameters_.max_structure)))
+      return std::nullopt;
     auto outline = picture_outline(camera(), picture, aligned->pose);
     if (!outline || !plausible(*outline, parameters_.min_side_px)) return std::nullopt;
     CameraFinding finding{plane_sighting(mounting(), aligned->pose.translation, aligned->covariance),

@@ -30,7 +30,7 @@ struct SignParameters {
 
 struct SignDetectorParameters {
   std::vector<SignParameters> catalogue;
-  int features = 500;            ///< of a picture, at most
+  int features = 450;            ///< of a picture, at most
   int fast_threshold = 20;       ///< contrast of a corner [grey levels]
   double ratio = 0.85;           ///< of the distances of the best and the second best descriptor
   int min_matches = 4;           ///< that agree on one view
@@ -38,6 +38,7 @@ struct SignDetectorParameters {
   double inlier_px = 3.0;        ///< largest distance of a match from the view
   double min_side_px = 20.0;     ///< smaller pictures of a sign are left out
   double min_correlation = 0.8;  ///< of the sign's picture with the image
+  double max_structure = 0.4;    ///< share of the picture left over in shapes: prints in real light leave 0.2 and more
 
   template <class Visitor>
   static void describe(Visitor& v) {
@@ -54,6 +55,9 @@ struct SignDetectorParameters {
     v.field("min_side_px", &P::min_side_px, unit::one, "smaller pictures of a sign are left out", at_least(8.0));
     v.field("min_correlation", &P::min_correlation, unit::one,
             "least correlation of the sign's picture with the image, once aligned", between(0.0, 1.0));
+    v.field("max_structure", &P::max_structure, unit::one,
+            "largest share of the picture's variance left over in shapes; 0.05 where pictures are drawn",
+            between(0.0, 1.0));
   }
   [[nodiscard]] std::string validate() const;
 };

@@ -23,13 +23,13 @@ LandmarkDetections see(std::int64_t seq, const std::vector<Vector2>& points) {
 
 std::vector<SlamFilterParameters> filters_with(const LandmarkLifeParameters& life) {
   std::vector<SlamFilterParameters> result{FastSlam1Parameters{}, FastSlam2Parameters{}, UFastSlamParameters{},
-                                           PsoUFastSlamParameters{}};
+                                           PsoUFastSlamParameters{}, EkfSlamParameters{}};
   for (auto& p : result) {
     std::visit(
         [&](auto& q) {
-          if constexpr (requires { q.life; }) {
+          if constexpr (requires { q.life; }) q.life = life;
+          if constexpr (requires { q.storage; }) {
             q.particles = 5;
-            q.life = life;
             q.storage = MapStorage::shared;
           }
         },

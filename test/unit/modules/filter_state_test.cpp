@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/error.hpp"
 #include "modules/pipeline.hpp"
 #include "report/files.hpp"
@@ -43,7 +45,7 @@ class FilterStateTest : public ::testing::Test {
   /// \return warnings
   static std::vector<std::string> run(const PipelineParameters& p, int steps = -1) {
     bus::Bus bus("memq://");
-    Pipeline pipeline(bus, p);
+    Pipeline pipeline(bus, p, Threads{});
     while (steps-- != 0 && pipeline.step()) continue;
     pipeline.stop();
     return pipeline.data().warnings;

@@ -5,6 +5,7 @@
 
 #include "heard.hpp"
 #include "noctule/contour_features.hpp"
+#include "noctule/landmark_detections.hpp"
 #include "noctule/odometry.hpp"
 #include "noctule/slam_estimate.hpp"
 #include "noctule/ultrasonic_scan.hpp"
@@ -137,6 +138,49 @@ TEST_F(SlamModuleTest, TheLastScanIsNotForgotten) {
   o(0), s(0);
   EXPECT_EQ(dropped(), 1);
   EXPECT_EQ(estimates_.all.size(), 1u);
+}
+
+/// Odometry and sightings of one landmark, as two processes send them: the sightings of a time come when the base has
+/// moved on by so many steps.
+std::pair<std::vector<double>, std::int64_t> sighted(double lag, std::int64_t late) {
+  bus::Bus bus;
+  Heard<slam_estimate> estimates(bus, "SLAM_ESTIMATE");
+  Heard<module_status> statuses(bus, "MODULE_STATUS");
+  SlamModuleParameters parameters;
+  std::get<filters::ParticleSlamParameters>(parameters.filter).particles = 20;
+  parameters.lag = lag;
+  SlamModule module(bus, parameters, SlamInput{.features = false, .camera = true}, 1, Pose2{});
+  constexpr std::int64_t kSteps = 20;
+  for (std::int64_t k = 0; k < kSteps + late; ++k) {
+    const std::int64_t seen = k - late;
+    if (k < kSteps) {
+      bus.publish("ODOMETRY",
+                  convert::to_message(Odometry{{kPeriod * k, k}, {0.02, 0.0, 0.0}, 1e-6 * Matrix3::Identity()}));
+      bus.drain();
+    }
+    if (seen < 0) continue;
+    LandmarkDetection d{.range = 2.0 - 0.02 * static_cast<double>(seen + 1),
+                        .bearing = 0.0,
+                        .covariance = Matrix2::Identity() * 1e-4,
+                        .id = 3};
+    bus.publish("LANDMARK_DETECTIONS", convert::to_message(LandmarkDetections{{kPeriod * seen, seen}, {}, {d}}));
+    bus.drain();
+  }
+  module.finish();
+  bus.drain();
+  std::vector<double> xs;
+  for (const auto& estimate : estimates.all) xs.push_back(estimate.x_m);
+  return {xs, statuses.all.back().dropped};
+}
+
+TEST(SlamModule, LateSightingsAreWaitedForAsLongAsAsked) {
+  const auto [in_time, none] = sighted(0.0, 0);
+  EXPECT_EQ(in_time.size(), 20u);
+  EXPECT_EQ(none, 0);
+  EXPECT_EQ(sighted(0.25, 2), std::pair(in_time, std::int64_t{0})) << "to the bit";
+  const auto [late, dropped] = sighted(0.0, 2);
+  EXPECT_EQ(dropped, 19) << "all but the last, after which the base stands still";
+  EXPECT_EQ(late.size() + static_cast<std::size_t>(dropped), 20u);
 }
 
 TEST(SlamModule, LearnedNoiseDoesNotHideInnovationsFarAboveTheConfiguredNoise) {

@@ -2,12 +2,13 @@
 
 #include <map>
 
+#include "config/config.hpp"
 #include "core/chi2.hpp"
 #include "core/error.hpp"
 #include "core/gaussian.hpp"
 #include "sensors/camera/descriptors.hpp"
 #include "sensors/camera/ground.hpp"
-#include "sensors/camera/make_landmark_detector.hpp"
+#include "sensors/camera/landmark_camera.hpp"
 #include "statistics/sensors/camera_scene.hpp"
 
 namespace noctule::sensors {
@@ -157,6 +158,14 @@ TEST(LandmarkDetectors, RefuseParametersThatMakeNone) {
   file.catalogue[0].image = "sign.png";
   EXPECT_THROW((void)make_landmark_detector(file, {}, {}), InputError);  // nobody reads files here
   EXPECT_THROW((void)make_landmark_detector(FiducialParameters{}, {.fx = -1.0}, {}), InputError);
+}
+
+TEST(LandmarkDetectors, AreAllNamedInTheCameraFile) {
+  const auto parameters = config::load<LandmarkCameraParameters>(std::filesystem::path(NOCTULE_SOURCE_DIR) /
+                                                                 "config/cameras/all_detectors.yaml");
+  ASSERT_EQ(parameters.detectors.size(), kLandmarkDetectorNames.size());
+  for (std::size_t i = 0; i < parameters.detectors.size(); ++i) EXPECT_EQ(parameters.detectors[i].find.index(), i);
+  EXPECT_NO_THROW(LandmarkCamera{parameters});
 }
 
 /// A room that turns slowly: keypoints are no landmarks before they are stable, then keep their identities, and their

@@ -301,5 +301,36 @@ TEST(BaileysMap, OneLapTakes8778ControlsAnd1097Scans) {
   expect_says(refusal([&] { LandmarkWorld(p, 1); }), "vehicle: expected steering that reaches way-point");
 }
 
+/// Whatever sightings measure: the same numbers, and whoever knows the simulator sees both.
+TEST(LandmarkWorldTest, SightingsOfOneNumberAreThoseOfTwoWithoutTheOther) {
+  LandmarkWorldParameters p;
+  p.world.waypoints = {{30, 0}};
+  p.world.landmarks = {{10, 5}, {20, -5}, {40, 8}};
+  p.sensor.clutter = 0.5;
+  const LandmarkRecording whole(p, 3);
+  p.sensor.whole = 0.25;
+  for (const auto kind : {DetectionKind::bearing_only, DetectionKind::range_only}) {
+    p.sensor.kind = kind;
+    const LandmarkRecording part(p, 3);
+    ASSERT_EQ(part.scans.size(), whole.scans.size());
+    int one = 0, two = 0;
+    for (std::size_t i = 0; i < whole.scans.size(); ++i) {
+      ASSERT_EQ(part.scans[i].detections.size(), whole.scans[i].detections.size());
+      for (std::size_t k = 0; k < part.scans[i].detections.size(); ++k) {
+        const LandmarkDetection &a = part.scans[i].detections[k], &b = whole.scans[i].detections[k];
+        const bool both = a.kind == DetectionKind::range_bearing;
+        (both ? two : one) += 1;
+        EXPECT_EQ(a.id, b.id);
+        EXPECT_EQ(a.range, both || kind == DetectionKind::range_only ? b.range : 0.0);
+        EXPECT_EQ(a.bearing, both || kind == DetectionKind::bearing_only ? b.bearing : 0.0);
+        EXPECT_EQ(a.covariance(0, 0) > 0.0, both || kind == DetectionKind::range_only);
+      }
+      ASSERT_EQ(part.informed[i].detections.size(), whole.informed[i].detections.size());
+      for (const LandmarkDetection& d : part.informed[i].detections) EXPECT_EQ(d.kind, DetectionKind::range_bearing);
+    }
+    EXPECT_NEAR(two / static_cast<double>(one + two), 0.25, 4.0 * std::sqrt(0.25 * 0.75 / (one + two)));
+  }
+}
+
 }  // namespace
 }  // namespace noctule::sim
