@@ -21,7 +21,6 @@ struct SightingCovariance {
 /// alone nothing is learned, and its noise is what it states.
 class SightingNoise {
  public:
-  /// \throws std::invalid_argument never; parameters are checked with the filter's
   SightingNoise(const SightingNoiseParameters& parameters, std::size_t particles)
       : model_(parameters), particles_(particles) {}
 
