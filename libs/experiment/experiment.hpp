@@ -80,6 +80,7 @@ struct Experiment {
   std::vector<FilterSpec> filters;
   std::vector<std::string> metrics;  ///< empty: all that the scenarios have
   std::vector<std::string> plots;    ///< metrics that get plots in the report; empty: all
+  std::vector<std::string> compare;  ///< parameters whose values are compared too, all else being equal
   std::vector<Reference> references;
 
   template <class Visitor>
@@ -91,6 +92,8 @@ struct Experiment {
     v.list("filters", &Experiment::filters, "what is compared");
     v.field("metrics", &Experiment::metrics, "what is kept; empty: all");
     v.field("plots", &Experiment::plots, "metrics that get plots in the report; empty: all");
+    v.field("compare", &Experiment::compare,
+            "parameters: filters that differ in nothing else are compared with the first of them");
     v.list("references", &Experiment::references, "published figures to stand beside ours");
   }
   [[nodiscard]] std::string validate() const;

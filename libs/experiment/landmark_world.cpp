@@ -23,17 +23,19 @@ class Follower {
 class FilterFollower : public Follower {
  public:
   FilterFollower(const FilterSpec& spec, std::uint64_t seed, const Pose2& start)
-      : filter_(filters::make_slam_filter(slam_filter_parameters(spec), seed, start)) {}
+      : filter_(filters::make_slam_filter(slam_filter_parameters(spec), seed, start)),
+        informed_(spec.name == kOracle) {}
 
   SlamEstimate take(const LandmarkScan& scan) override {
     for (const Odometry& o : scan.odometry) filter_->predict(o);
-    filter_->update(scan.sightings);
+    filter_->update(informed_ ? scan.informed : scan.sightings);
     return filter_->estimate();
   }
   [[nodiscard]] LandmarkMap map() const override { return filter_->map(); }
 
  private:
   std::unique_ptr<filters::SlamFilter> filter_;
+  bool informed_;
 };
 
 class TruePath : public Follower {
@@ -123,7 +125,7 @@ LandmarkWorld::LandmarkWorld(const ScenarioSpec& spec)
 
 std::vector<std::string> LandmarkWorld::filters() const {
   std::vector<std::string> names = filters::kSlamFilterNames;
-  names.insert(names.end(), {kDeadReckoning, kKnownPose, kSmoother});
+  names.insert(names.end(), {kOracle, kDeadReckoning, kKnownPose, kSmoother});
   return names;
 }
 
@@ -132,7 +134,7 @@ std::vector<std::string> LandmarkWorld::metrics() const {
 }
 
 void LandmarkWorld::check(const FilterSpec& filter) const {
-  if (is_slam_filter(filter.name)) {
+  if (is_slam_filter(filter.name) || filter.name == kOracle) {
     static_cast<void>(slam_filter_parameters(filter));
   } else if (filter.name == kSmoother) {
     static_cast<void>(config::load<smoothing::LandmarkSmootherParameters>(effective_config(filter)));
@@ -147,9 +149,10 @@ std::vector<FilterRun> LandmarkWorld::run(std::uint64_t seed, std::span<const Fi
   std::vector<FilterRun> runs;
   for (const FilterSpec& spec : filters) {
     reset_peak_memory();
-    const bool slam = is_slam_filter(spec.name);
+    const bool oracle = spec.name == kOracle, slam = is_slam_filter(spec.name) || oracle;
     const bool known_ids = parameters_.sensor.known_ids;
-    const LandmarkJudgement judgement{!slam || known_ids, !known_ids, parameters_.match_within, parameters_.rpe_length};
+    const LandmarkJudgement judgement{!slam || oracle || known_ids, !known_ids, parameters_.match_within,
+                                      parameters_.rpe_length};
     const LandmarkTrack track =
         spec.name == kSmoother ? smooth(stream, spec) : follow(stream, judgement, [&]() -> std::unique_ptr<Follower> {
           if (slam) return std::make_unique<FilterFollower>(spec, seed, stream.start);

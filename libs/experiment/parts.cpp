@@ -52,6 +52,7 @@ std::string identity(Experiment experiment) {
   experiment.name.clear();
   experiment.references.clear();
   experiment.plots.clear();
+  experiment.compare.clear();
   for (FilterSpec& filter : experiment.filters) filter.role = Role::compared;
   return config::dump(experiment);
 }

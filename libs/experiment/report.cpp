@@ -27,7 +27,8 @@ constexpr const char* kMethods =
     "which "
     "either filter has no number is dropped from the pairs and counted. p (t): paired t test; p (sign flips): "
     "permutation "
-    "test; Holm: corrected for all comparisons of the table. Muted columns, open marks and dotted lines: published "
+    "test; Holm: corrected for all comparisons of the table, those of one parameter's values for themselves. Muted "
+    "columns, open marks and dotted lines: published "
     "figures.";
 
 std::vector<report::Plot> plots_of(const Results& results, const std::string& scenario) {

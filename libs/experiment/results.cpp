@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -108,6 +109,36 @@ std::size_t shared_parameters(const Subject& s, const Subject& r) {
   return all ? of_r.size() : 0;
 }
 
+/// What is left of `parameters` without that key; nothing when it is not among them.
+std::optional<std::string> without(const std::string& parameters, const std::string& key) {
+  std::string rest;
+  bool found = false;
+  for (const auto& [name, value] : assignments(parameters)) {
+    if (name == key) {
+      found = true;
+    } else {
+      rest += name + "=" + value + ";";
+    }
+  }
+  return found ? std::optional(rest) : std::nullopt;
+}
+
+/// Filters that differ from an earlier one in the value of `key` alone, against the first such.
+template <class Groups>
+std::vector<Comparison> comparisons_of_values(const Groups& candidates, const std::string& key) {
+  std::vector<Comparison> family;
+  for (const auto* g : candidates) {
+    const auto rest = without(g->subject.parameters, key);
+    if (!rest) continue;
+    const auto first = std::ranges::find_if(candidates, [&](const auto* r) {
+      return r->subject.filter == g->subject.filter && r->metric == g->metric &&
+             without(r->subject.parameters, key) == rest;
+    });
+    if (*first != g) family.push_back(compare(g->rows, (*first)->rows));
+  }
+  return family;
+}
+
 }  // namespace
 
 std::vector<Comparison> standard_comparisons(const Results& results) {
@@ -138,6 +169,11 @@ std::vector<Comparison> standard_comparisons(const Results& results) {
     }
     correct(family);
     all.insert(all.end(), family.begin(), family.end());
+    for (const std::string& key : results.experiment.compare) {
+      std::vector<Comparison> values = comparisons_of_values(candidates, key);
+      correct(values);
+      all.insert(all.end(), values.begin(), values.end());
+    }
   }
   return all;
 }

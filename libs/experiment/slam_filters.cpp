@@ -28,11 +28,11 @@ filters::SlamFilterParameters slam_filter_parameters(const FilterSpec& filter) {
   Tree tree = effective_config(filter);
   if (tree.kind == Tree::Kind::nothing) tree.kind = Tree::Kind::map;
   if (const Tree* type = tree.find("type")) {
-    if (type->text != filter.name) {
+    if (type->text != filter.name && filter.name != kOracle) {
       throw InputError(to_string(type->place) + ": filter '" + filter.name + "': type: expected " + filter.name +
                        ", got " + config::describe(*type));
     }
-  } else if (tree.kind == Tree::Kind::map) {
+  } else if (tree.kind == Tree::Kind::map && filter.name != kOracle) {
     Tree name;
     name.kind = Tree::Kind::scalar;
     name.place = tree.place;

@@ -46,6 +46,12 @@ class NoiseMixture {
     MatrixD<D> covariance;  ///< inverse of the expected precision
   };
 
+  /// How probable a residual is, and what a Kalman update shall believe of it.
+  struct Judgement {
+    double log_density;
+    Effective effective;
+  };
+
   /// At most kMaxComponents; the weights shall sum to one.
   void add(const Component& c) {
     Prepared& p = components_[static_cast<std::size_t>(size_++)];
@@ -74,18 +80,30 @@ class NoiseMixture {
 
   /// From the component responsibilities of this residual, so that a component nobody uses inflates no gain.
   [[nodiscard]] Effective effective(const VectorD<D>& v, const MatrixD<D>& extra = MatrixD<D>::Zero()) const {
-    return pooled(v, extra, [](const Prepared& c) { return c.precision; });
+    return pooled(v, extra, [](const Prepared& c) { return c.precision; }).effective;
+  }
+
+  /// Log density, and the effective noise with each component's precision as Student's t expects it given this
+  /// residual: one that is far off moves a mean less.
+  [[nodiscard]] Judgement judge(const VectorD<D>& v, const MatrixD<D>& extra) const {
+    return pooled(v, extra, [&](const Prepared& c) -> MatrixD<D> {
+      if (c.gaussian) return c.precision;
+      const VectorD<D> e = v - c.mean;
+      const double distance2 = e.dot(small_inverse<D>(c.scale + extra) * e);
+      return (1.0 + D * c.inverse_dof) / (1.0 + distance2 * c.inverse_dof) * c.precision;
+    });
   }
 
   /// The Gaussian whose log density has the slope of ours at v: covariance^-1 (v - bias) = -d log_density(v) / dv. With
   /// it, least squares maximise this likelihood (iteratively reweighted).
   [[nodiscard]] Effective reweighted(const VectorD<D>& v) const {
-    return pooled(v, MatrixD<D>::Zero(), [&v](const Prepared& c) -> MatrixD<D> {
+    const auto precision_of = [&v](const Prepared& c) -> MatrixD<D> {
       const MatrixD<D> inverse = small_inverse<D>(c.scale);
       if (c.gaussian) return inverse;
       const double distance2 = (v - c.mean).dot(inverse * (v - c.mean));
       return 2.0 * c.exponent * c.inverse_dof / (1.0 + distance2 * c.inverse_dof) * inverse;
-    });
+    };
+    return pooled(v, MatrixD<D>::Zero(), precision_of).effective;
   }
 
   /// An upper bound of log_density(v, extra) over all `extra` and all v with v'v >= distance2 (largest eigenvalue of
@@ -133,9 +151,9 @@ class NoiseMixture {
     return top;
   }
 
-  /// Mean and covariance from precisions weighted by the components' responsibilities for v.
+  /// Log density; mean and covariance from precisions weighted by the components' responsibilities for v.
   template <class Precision>
-  [[nodiscard]] Effective pooled(const VectorD<D>& v, const MatrixD<D>& extra, Precision precision_of) const {
+  [[nodiscard]] Judgement pooled(const VectorD<D>& v, const MatrixD<D>& extra, Precision precision_of) const {
     Terms terms;
     const double top = fill(terms, v, extra);
     double sum = 0.0;
@@ -149,7 +167,7 @@ class NoiseMixture {
       weighted += r * (own * at(l).mean);
     }
     const MatrixD<D> covariance = small_inverse<D>(precision);
-    return {covariance * weighted, sum * covariance};
+    return {top + std::log(sum), {covariance * weighted, sum * covariance}};
   }
 
   [[nodiscard]] static double term(const Prepared& c, const VectorD<D>& v, const MatrixD<D>& extra) {

@@ -14,18 +14,13 @@ namespace noctule::filters {
 template <int D>
 class NoiseModel {
  public:
-  explicit NoiseModel(const NoiseParameters& parameters) {
-    if (const auto* em = std::get_if<EmNoiseParameters>(&parameters)) {
-      state_.template emplace<EmNoise<D>>(*em);
-      learning_ = em->learning;
-    } else if (const auto* vb = std::get_if<VbNoiseParameters>(&parameters)) {
-      state_.template emplace<VbNoise<D>>(*vb);
-      learning_ = vb->learning;
-    } else {
-      mixture_.add({});
-    }
-    prepare();
-  }
+  explicit NoiseModel(const FixedNoiseParameters&) { mixture_.add({}); }
+  explicit NoiseModel(const EmNoiseParameters& em) : state_(EmNoise<D>(em)), learning_(em.learning) { prepare(); }
+  explicit NoiseModel(const VbNoiseParameters& vb) : state_(VbNoise<D>(vb)), learning_(vb.learning) { prepare(); }
+  /// Of whichever of these the variant holds.
+  template <class... Alternatives>
+  explicit NoiseModel(const std::variant<Alternatives...>& parameters)
+      : NoiseModel(std::visit([](const auto& p) { return NoiseModel(p); }, parameters)) {}
 
   [[nodiscard]] bool adapts() const { return state_.index() != 0; }
 

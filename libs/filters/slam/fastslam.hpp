@@ -21,9 +21,14 @@ class FastSlam1 final : public LandmarkSlam {
   void add_motion(const Odometry& odometry) override;
   void before_association() override;
   void take_in(std::size_t begin, std::size_t end) override;
+  void propose(std::size_t begin, std::size_t end) override;
+  void update_maps(std::size_t begin, std::size_t end) override;
+  double log_density_of_motion(std::size_t i, const Pose2& motion) override;
+  Pose2 another_motion(std::size_t i, Rng& rng) override;
   void move(const PoseGaussian& motion, std::uint64_t stream, std::uint64_t step);
 
   Sampling sample_;
+  PoseGaussian prior_;          ///< of the motion to the present scan
   std::uint64_t odometry_ = 0;  ///< messages so far
 };
 
@@ -39,6 +44,9 @@ class FastSlam2 final : public LandmarkSlam {
  private:
   [[nodiscard]] bool may_wait() const override;
   void take_in(std::size_t begin, std::size_t end) override;
+
+  void propose(std::size_t begin, std::size_t end) override;
+  void update_maps(std::size_t begin, std::size_t end) override;
 
   double linear_within_;
 };

@@ -11,6 +11,22 @@
 
 namespace noctule::filters {
 
+/// What does best among landmarks: one component without bias, and a memory of 27 sightings.
+struct SightingVbNoiseParameters : VbNoiseParameters {
+  SightingVbNoiseParameters() {
+    learning.components = 1;
+    learning.memory = 27.0;
+    beta = 1e5;
+  }
+};
+using SightingNoiseParameters = std::variant<FixedNoiseParameters, EmNoiseParameters, SightingVbNoiseParameters>;
+
+/// What happens to particles that a resampling drops.
+enum class Optimisation : std::int8_t {
+  none,  ///< they are gone
+  apf    ///< some move toward a good neighbour and take the place of a copy of it (particle::Apf)
+};
+
 enum class ReportedMap : std::int8_t { best, mean };
 
 /// What all particle filters over point landmarks share.
@@ -18,6 +34,9 @@ struct LandmarkSlamParameters {
   int particles = 100;
   particle::Resampling resampling = particle::Resampling::systematic;
   double resample_below = 0.75;
+  Optimisation optimise = Optimisation::none;
+  double weight_power = 1.0;
+  SightingNoiseParameters noise;  ///< of sightings, in units of the covariance that each states
   SightingParameters sightings;
   std::optional<LandmarkLifeParameters> life;
   MapStorage storage = MapStorage::automatic;
@@ -29,6 +48,12 @@ struct LandmarkSlamParameters {
   static void describe(Visitor& v) {
     using P = LandmarkSlamParameters;
     describe_particles<P>(v);
+    v.choice("optimise", &P::optimise, Choices<Optimisation>{{"none", Optimisation::none}, {"apf", Optimisation::apf}},
+             "whether dropped particles move toward good neighbours (apf)");
+    v.field("weight_power", &P::weight_power, unit::one,
+            "power of the likelihood that multiplies the weights; below 1: particles live longer than Bayes says",
+            Range{.min = 0.0, .max = 1.0, .min_allowed = false});
+    v.one_of("noise", &P::noise, {"fixed", "em", "vb"}, "noise of sightings: as each states it, or learned on the way");
     v.group("sightings", &P::sightings, "sightings of landmarks of unknown identity");
     v.group("life", &P::life, "birth and death of such landmarks by what should be seen; absent: they live for ever");
     v.choice("map_storage", &P::storage,

@@ -6,7 +6,9 @@
 
 #include "core/check.hpp"
 #include "core/error.hpp"
+#include "core/log_weights.hpp"
 #include "filters/checks.hpp"
+#include "particle/pose_apf.hpp"
 
 namespace noctule::filters {
 namespace {
@@ -27,7 +29,14 @@ LandmarkSlam::LandmarkSlam(const char* name, const LandmarkSlamParameters& param
                  {parameters.resampling, parameters.resample_below, tempering}, seed,
                  stream_id("landmark_slam.resampling")),
       points_(particles_.size(), parameters.sightings, parameters.life, parameters.storage, parameters.threads),
-      fits_(particles_.size()) {}
+      noise_(parameters.noise, particles_.size()),
+      fits_(particles_.size()),
+      linear_(particles_.size()) {
+  if (parameters.optimise == Optimisation::none) return;
+  before_ = particles_.poses();
+  motions_.resize(before_.size());
+  proposals_.resize(before_.size());
+}
 
 void LandmarkSlam::predict(const Odometry& odometry) {
   check(odometry);
@@ -46,6 +55,7 @@ void LandmarkSlam::update(const LandmarkDetections& detections) {
   check(detections);
   check_order("landmark detections", detections.stamp, last_detections_);
   points_.begin(detections, next_id_);
+  noise_.begin(points_.sightings());
   if (detections.detections.empty() && may_wait()) {
     std::ranges::fill(fits_, ObservationFit{});
     particles_.weigh(fits_);
@@ -59,28 +69,137 @@ void LandmarkSlam::update(const LandmarkDetections& detections) {
 }
 
 void LandmarkSlam::observe(const Stamp& stamp) {
+  if (parameters_.optimise == Optimisation::apf) {
+    observe_and_optimise(stamp);
+    return;
+  }
   points_.make_writable();
   for_particles([this](std::size_t begin, std::size_t end) { take_in(begin, end); });
   points_.live(particles_.poses(), particles_.best(), fits_);
   motion_ = {};
-  particles_.weigh(fits_);
+  weigh();
+  learn_noise();
   particles_.record(stamp, fits_);
   resample();
+}
+
+void LandmarkSlam::weigh() {
+  if (parameters_.weight_power != 1.0) {
+    for (ObservationFit& fit : fits_) fit.log_likelihood *= parameters_.weight_power;
+  }
+  particles_.weigh(fits_);
+}
+
+/// What was weighed and resampled did not know of the landmarks begun now.
+void LandmarkSlam::live_after_weighing() {
+  std::ranges::transform(fits_, linear_.begin(), &ObservationFit::log_likelihood);
+  if (!points_.live(particles_.poses(), particles_.best(), fits_)) return;
+  const auto before = particles_.weights().log();
+  for (std::size_t i = 0; i < fits_.size(); ++i) {
+    const double gain = std::isfinite(linear_[i]) ? fits_[i].log_likelihood - linear_[i] : 0.0;
+    linear_[i] = before[i] + parameters_.weight_power * gain;
+  }
+  if (log_sum_exp(linear_) > -kInf) particles_.reweigh(linear_);
+}
+
+/// Proposal, weights, estimate, resampling, moves, maps: in this order, so that maps fit the poses that go on.
+void LandmarkSlam::observe_and_optimise(const Stamp& stamp) {
+  for_particles([this](std::size_t begin, std::size_t end) { propose(begin, end); });
+  for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i] = between(before_[i], particles_.poses()[i]);
+  weigh();
+  particles_.record_estimate(stamp, fits_);
+  std::span<const particle::MovedParticle> moves;
+  const std::uint64_t step = particles_.step();
+  const auto ancestors = particles_.resample(&apf_, particle::pose_states(std::span<const Pose2>(motions_)), moves);
+  if (!ancestors.empty()) {
+    points_.resample(ancestors);
+    points_.inherit(ancestors);
+    for (std::size_t i = 0; i < ancestors.size(); ++i) {
+      if (ancestors[i] != i) fits_[i] = fits_[ancestors[i]];
+    }
+    move_toward_neighbours(ancestors, step, moves);
+  }
+  points_.make_writable();
+  for_particles([this](std::size_t begin, std::size_t end) { update_maps(begin, end); });
+  live_after_weighing();
+  learn_noise();
+  motion_ = {};
+  particles_.record_paths(stamp);
+  before_ = particles_.poses();
+}
+
+/// What moves is the latest motion, from the pose that the neighbour had before it: pose and map stay one's own. A move
+/// is taken like a Metropolis step, so that it does not go where the scan forbids; else the copy of the neighbour
+/// stays.
+void LandmarkSlam::move_toward_neighbours(std::span<const std::uint32_t> ancestors, std::uint64_t step,
+                                          std::span<const particle::MovedParticle> moves) {
+  const auto rng_of = [&](std::size_t slot) {
+    return Rng(seed_, stream_id("landmark_slam.optimise"), step, static_cast<std::uint32_t>(slot));
+  };
+  for (std::size_t i = 0; i < ancestors.size(); ++i) {
+    if (ancestors[i] == i) continue;
+    Rng rng = rng_of(i);
+    particles_.poses()[i] = before_[ancestors[i]] * another_motion(ancestors[i], rng);
+  }
+  for (const particle::MovedParticle& move : moves) {
+    Pose2 motion;
+    particle::apply_move(move, particle::pose_states(std::span<const Pose2>(motions_)), &motion.x);
+    const double gain =
+        log_density_of_motion(move.toward, motion) - log_density_of_motion(move.toward, motions_[move.toward]);
+    Rng rng = rng_of(ancestors.size() + move.slot);
+    if (std::log(rng.uniform()) < gain) particles_.poses()[move.slot] = before_[move.toward] * motion;
+  }
+}
+
+double LandmarkSlam::log_density_of_motion(std::size_t i, const Pose2& motion) {
+  return filters::log_density_of_motion(motion, proposals_[i].mean, proposals_[i].covariance);
+}
+
+Pose2 LandmarkSlam::another_motion(std::size_t i, Rng& rng) {
+  return draw_motion(proposals_[i], rng);
+}
+
+double log_density_of_motion(const Pose2& motion, const Vector3& mean, const Matrix3& covariance) {
+  const Matrix3 root = semidefinite_cholesky<3>(covariance);
+  Vector3 rest(motion.x - mean[0], motion.y - mean[1], wrap(motion.yaw - mean[2]));
+  double distance2 = 0.0;
+  for (int j = 0; j < 3; ++j) {
+    if (!(root(j, j) > 0.0)) continue;
+    const double place = rest[j] / root(j, j);
+    distance2 += place * place;
+    rest -= place * root.col(j);
+  }
+  return -0.5 * distance2;
+}
+
+void LandmarkSlam::learn_noise() {
+  if (!noise_.learns()) return;
+  particles_.weights().linear(linear_);
+  noise_.learn(linear_);
+}
+
+SlamEstimate LandmarkSlam::estimate() const {
+  SlamEstimate estimate = particles_.estimate();
+  estimate.noise_scale = noise_.scale();
+  return estimate;
 }
 
 std::span<const std::uint32_t> LandmarkSlam::resample() {
   const auto ancestors = particles_.resample();
   if (!ancestors.empty()) points_.resample(ancestors);
+  if (!ancestors.empty() && !before_.empty()) before_ = particles_.poses();
   return ancestors;
 }
 
 void LandmarkSlam::begin_on(const LandmarkMap& map, const ParticleCloud& poses) {
   particles_.spread(poses);
+  if (!before_.empty()) before_ = particles_.poses();
   points_.begin_on(point_landmarks(map), next_id_);
 }
 
 void LandmarkSlam::transfer(StateArchive& archive) {
-  archive(particles_, points_, motion_, next_id_, last_detections_);
+  archive(particles_, points_, motion_, next_id_, last_detections_, noise_);
+  archive.each(before_, Pose2{}, [&](Pose2& pose) { archive(pose); });
   if (particles_.poses().size() != fits_.size()) throw InputError("state: expected that of as many particles");
 }
 

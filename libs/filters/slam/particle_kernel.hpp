@@ -3,10 +3,11 @@
 /// only.
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "core/gaussian.hpp"
-#include "filters/slam/path_particles.hpp"
-#include "filters/slam/point_maps.hpp"
+#include "filters/slam/landmark_slam.hpp"
+#include "filters/slam/sighting_noise.hpp"
 
 namespace noctule::filters {
 
@@ -24,27 +25,60 @@ class LogDensity {
       determinant_ = 1.0;
     }
   }
+  /// An innovation of two numbers of any density.
+  void add(double log_density, double nis) {
+    added_ += 2;
+    log_density_ += log_density;
+    nis_ += nis;
+  }
   /// The fit of these innovations and of sightings that found no landmark, of log density `log_free`.
   [[nodiscard]] ObservationFit fit(double log_free) const {
     const double log_determinant = log_determinant_ + (numbers_ > 0 ? std::log(determinant_) : 0.0);
-    return {-0.5 * (distance2_ + log_determinant + numbers_ * std::log(kTwoPi)) + log_free, distance2_, numbers_};
+    return {-0.5 * (distance2_ + log_determinant + numbers_ * std::log(kTwoPi)) + log_free + log_density_,
+            distance2_ + nis_, numbers_ + added_};
   }
 
  private:
-  int numbers_ = 0;
+  int numbers_ = 0, added_ = 0;
+  double log_density_ = 0.0, nis_ = 0.0;
   double distance2_ = 0.0, determinant_ = 1.0, log_determinant_ = 0.0;
 };
 
+/// What an update does with an innovation: how probable it is goes into `density`.
+/// \param s its covariance with the noise that the sighting has
+/// \return its covariance with the noise that is believed given the innovation
+inline InnovationCovariance weigh(const StatedNoise&, const Sighting& z, const Innovation&,
+                                  const InnovationCovariance& s, LogDensity& density) {
+  density.multiply(s, z);
+  return s;
+}
+/// \param[in,out] v what noise of a known mean leaves of it
+inline InnovationCovariance weigh(const LearnedNoise& learned, const Sighting& z, Innovation& v,
+                                  const InnovationCovariance& s, LogDensity& density) {
+  if (!z.is_whole()) return weigh(StatedNoise{}, z, v, s, density);
+  const SightingCovariance expected{s.rr - z.rr, s.rb - z.rb, s.bb - z.bb};
+  const auto judged = learned.noise.judge(z, v, expected);
+  density.add(judged.log_density, judged.nis);
+  v.range -= judged.range;
+  v.bearing -= judged.bearing;
+  const SightingCovariance& r = judged.noise;
+  return {expected.rr + r.rr, expected.rb + r.rb, expected.bb + r.bb, v};
+}
+
 /// Landmarks by extended Kalman filters.
+template <class Noise = StatedNoise>
 struct KalmanUpdate {
-  static void update(PointLandmark& m, const Sighting& z, const Pose2& sensor, LogDensity& density) {
+  Noise noise;
+
+  void update(PointLandmark& m, const Sighting& z, const Pose2& sensor, LogDensity& density) const {
     const PredictedSighting p(m, z, sensor);
-    density.multiply(p.s, z);
-    filters::take_in(m, p.v, p.c, p.s);
+    Innovation v = p.v;
+    const InnovationCovariance s = weigh(noise, z, v, p.s, density);
+    filters::take_in(m, v, p.c, s);
   }
   /// Two different landmarks at a time.
   static void update(PointLandmark& a, PointLandmark& b, const Sighting& za, const Sighting& zb, const Pose2& sensor,
-                     LogDensity& density) {
+                     LogDensity& density) requires(std::is_same_v<Noise, StatedNoise>) {
     LandmarkState<Pair> m{{a.x, b.x}, {a.y, b.y}, {a.xx, b.xx}, {a.xy, b.xy}, {a.yy, b.yy}};
     const RangeBearing<Pair> z{
         {za.range, zb.range}, {za.bearing, zb.bearing}, {za.rr, zb.rr}, {za.rb, zb.rb}, {za.bb, zb.bb}};
@@ -63,6 +97,26 @@ struct KalmanUpdate {
   [[nodiscard]] static PointLandmark start(const Sighting& z, const Pose2& sensor) { return start_landmark(z, sensor); }
 };
 
+/// What the sightings say of the pose of a particle; nothing changes.
+template <class Noise>
+ObservationFit weigh_pose(const ParticleView& view, const Pose2& pose, const Noise& noise) {
+  const Pose2 sensor = sensor_pose(pose, view.scan.sensor_in_base);
+  const std::size_t known = view.maps.size(view.particle);
+  LogDensity density;
+  double log_free = 0.0;
+  for (std::size_t k = 0; k < view.slots.size(); ++k) {
+    if (!view.is_known(k, known)) {
+      log_free += view.log_new(k);
+      continue;
+    }
+    const Sighting& z = view.scan.sightings[k];
+    const PredictedSighting p(view.landmark(k), z, sensor);
+    Innovation v = p.v;
+    weigh(noise, z, v, p.s, density);
+  }
+  return density.fit(log_free);
+}
+
 /// Takes the sightings into the map of a particle, its pose taken as known.
 /// \return what they say of that pose, given the map before
 template <class Update>
@@ -72,6 +126,7 @@ ObservationFit update_map(const ParticleView& view, const Pose2& pose, const Upd
   };
   const Pose2 sensor = sensor_pose(pose, view.scan.sensor_in_base);
   const auto& sightings = view.scan.sightings;
+  const std::size_t known = view.maps.size(view.particle);
   LogDensity density;
   double log_free = 0.0;
   for (std::size_t k = 0; k < view.slots.size(); ++k) {
@@ -98,19 +153,8 @@ ObservationFit update_map(const ParticleView& view, const Pose2& pose, const Upd
     }
     update.update(m, sightings[k], sensor, density);
   }
+  update.noise.note(view, pose, known);
   return density.fit(log_free);
-}
-
-/// Gaussian of a particle's motion, in the frame of its pose before, and how well it explains the scan.
-struct MotionPosterior {
-  Vector3 mean;
-  Matrix3 covariance;
-  ObservationFit fit;
-};
-
-[[nodiscard]] inline Pose2 draw_motion(const MotionPosterior& q, Rng& rng) {
-  const Vector3 drawn = q.mean + sample_gaussian<3>(semidefinite_cholesky<3>(q.covariance), rng);
-  return {drawn[0], drawn[1], drawn[2]};
 }
 
 }  // namespace noctule::filters

@@ -47,13 +47,18 @@ void PathParticles::note_weights() {
 }
 
 void PathParticles::record(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending) {
-  pending_ = pending;
-  moving_ = pending.mean != Pose2{} || !pending.covariance.isZero(0.0);
-  for (std::size_t i = 0; i < poses_.size(); ++i) paths_.append(i, {stamp.seq, stamp.utime, present(i)});
-  note_estimate(stamp, fits);
+  record_estimate(stamp, fits, pending);
+  record_paths(stamp);
 }
 
-void PathParticles::note_estimate(const Stamp& stamp, std::span<const ObservationFit> fits) {
+void PathParticles::record_paths(const Stamp& stamp) {
+  for (std::size_t i = 0; i < poses_.size(); ++i) paths_.append(i, {stamp.seq, stamp.utime, present(i)});
+}
+
+void PathParticles::record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits,
+                                    const PoseGaussian& pending) {
+  pending_ = pending;
+  moving_ = pending.mean != Pose2{} || !pending.covariance.isZero(0.0);
   Pose2 mean;
   double cosine = 0.0, sine = 0.0, nis = 0.0, degrees_of_freedom = 0.0;
   for (std::size_t i = 0; i < poses_.size(); ++i) {
@@ -102,7 +107,9 @@ void PathParticles::jitter() {
   }
 }
 
-std::span<const std::uint32_t> PathParticles::resample() {
+std::span<const std::uint32_t> PathParticles::resample(particle::Apf* apf, particle::States states,
+                                                       std::span<const particle::MovedParticle>& moves) {
+  moves = {};
   const std::size_t n = size();
   estimate_.resampled = estimate_.effective_sample_size < rule_.below * static_cast<double>(n);
   if (estimate_.resampled) {
@@ -112,7 +119,16 @@ std::span<const std::uint32_t> PathParticles::resample() {
     const bool regularised = rule_.method == particle::Resampling::regularised;
     std::optional<particle::Spread> before;
     if (regularised) before.emplace(particle::pose_states(std::span<const Pose2>(poses_)), linear_);
-    particle::place_in_slots(counts_, ancestors_, free_);
+    if (apf != nullptr) {
+      moves = apf->optimise(states, linear_, counts_, ancestors_, rng);
+      for (const particle::MovedParticle& move : moves) {
+        ancestors_[move.slot] = move.toward;
+        --counts_[move.from];
+        ++counts_[move.toward];
+      }
+    } else {
+      particle::place_in_slots(counts_, ancestors_, free_);
+    }
     // Survivors keep their slots, so that none is overwritten before it is copied.
     for (std::size_t i = 0; i < n; ++i) poses_[i] = poses_[ancestors_[i]];
     paths_.resample(ancestors_);

@@ -10,6 +10,7 @@
 #include "core/stamp.hpp"
 #include "filters/slam/observation_fit.hpp"
 #include "filters/slam/parameters.hpp"
+#include "particle/apf.hpp"
 #include "particle/genealogy.hpp"
 #include "particle/weights.hpp"
 
@@ -42,9 +43,18 @@ class PathParticles {
   /// ... paths and estimate are continued by the poses there, ...
   /// \param pending motion that is still to be drawn, in the frame of each pose
   void record(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
+  /// (these two do the same for filters that move particles after the resampling: the estimate before it, paths after)
+  void record_estimate(const Stamp& stamp, std::span<const ObservationFit> fits, const PoseGaussian& pending = {});
+  void record_paths(const Stamp& stamp);
   /// ... and the particles are redrawn where the weights ask for it. This ends the step.
   /// \return ancestors, placed by particle::place_in_slots, valid until the next call; empty when nothing changed
-  std::span<const std::uint32_t> resample();
+  std::span<const std::uint32_t> resample() { return resample(nullptr, {}, moves_); }
+  /// The same with neighbour optimisation where `apf` is not null. A particle that moves takes map and path of the
+  /// neighbour it moves toward; its pose is not changed here.
+  /// \param states of the particles, in which the optimisation moves them
+  /// \param[out] moves those that move, valid until the next call
+  std::span<const std::uint32_t> resample(particle::Apf* apf, particle::States states,
+                                          std::span<const particle::MovedParticle>& moves);
   /// Replaces the weights by others, given as logs, not necessarily normalised.
   void reweigh(std::span<const double> log_weights);
 
@@ -59,7 +69,6 @@ class PathParticles {
 
  private:
   [[nodiscard]] Pose2 present(std::size_t i) const { return moving_ ? poses_[i] * pending_.mean : poses_[i]; }
-  void note_estimate(const Stamp& stamp, std::span<const ObservationFit> fits);
   void note_weights();
   void temper();
   void jitter();
@@ -74,6 +83,7 @@ class PathParticles {
   particle::Genealogy<PathPose> paths_;
   std::size_t best_ = 0;
   SlamEstimate estimate_;
+  std::span<const particle::MovedParticle> moves_;
   // Scratch, kept so that an observation allocates nothing.
   std::vector<double> log_likelihoods_, linear_, drawn_with_, copy_weights_;
   std::vector<std::uint32_t> counts_, ancestors_, free_;

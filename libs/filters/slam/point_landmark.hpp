@@ -56,12 +56,20 @@ struct RangeBearing {
   T rr{}, rb{}, bb{};
 };
 
+/// Inverse of the lower triangular root of a covariance of (range, bearing): what it makes of residuals has covariance
+/// I.
+struct Whitening {
+  double rr = 1.0, br = 0.0, bb = 1.0;
+};
+
 /// One sighting of a message, as the particles take it in. What it does not measure is taken as a number of variance 1
-/// that comes out as predicted, whatever the state: it adds to no innovation, gain or density.
+/// that comes out as predicted, whatever the state: it adds to no innovation, gain or density. Where the noise is
+/// learned the covariance is what the filter believes, else what the sensor states.
 struct Sighting : RangeBearing<double> {
   DetectionKind kind = DetectionKind::range_bearing;
   std::int64_t id = -1;     ///< of the landmark, or -1
   std::int64_t new_id = 0;  ///< of the landmark that it may start
+  Whitening stated;         ///< by the covariance that the sensor states; set where the noise is learned
 
   Sighting() = default;
   Sighting(const LandmarkDetection& d, std::int64_t new_name)

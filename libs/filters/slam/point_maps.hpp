@@ -71,6 +71,8 @@ class PointMaps {
   void transfer(StateArchive& archive);
 
   [[nodiscard]] const LandmarkScan& scan() const { return scan_; }
+  /// To adapt their covariances, between begin and associate.
+  [[nodiscard]] std::span<Sighting> sightings() { return scan_.sightings; }
   [[nodiscard]] const LandmarkMaps& maps() const { return maps_; }
   /// Whether a landmark has been seen often enough to be reported.
   [[nodiscard]] bool is_confirmed(const PointLandmark& m) const {

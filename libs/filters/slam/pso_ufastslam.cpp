@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/chi2.hpp"
+#include "core/error.hpp"
 #include "core/log_weights.hpp"
 #include "filters/slam/ufastslam.hpp"
 
@@ -13,7 +14,11 @@ PsoUFastSlam::PsoUFastSlam(const PsoUFastSlamParameters& parameters, std::uint64
       when_(parameters.when),
       swarm_(parameters.swarm),
       members_(particles_.size()),
-      log_weights_(particles_.size()) {}
+      log_weights_(particles_.size()) {
+  if (parameters.optimise != Optimisation::none) {
+    throw InputError("PSO-UFastSLAM: optimise: expected none, got apf: the swarm moves the particles already");
+  }
+}
 
 /// Proposal, weights, resampling, swarm, weights, landmarks: in this order, so that the scan enters each once.
 void PsoUFastSlam::observe(const Stamp& stamp) {
@@ -27,17 +32,9 @@ void PsoUFastSlam::observe(const Stamp& stamp) {
   for_particles([this](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) update_landmarks(points_.view(i), particles_.poses()[i]);
   });
+  learn_noise();
   motion_ = {};
-  std::ranges::transform(fits_, log_weights_.begin(), &ObservationFit::log_likelihood);
-  if (points_.live(particles_.poses(), particles_.best(), fits_)) {
-    // What was weighed and resampled did not know of the landmarks begun now.
-    const auto before = particles_.weights().log();
-    for (std::size_t i = 0; i < fits_.size(); ++i) {
-      const double gain = std::isfinite(log_weights_[i]) ? fits_[i].log_likelihood - log_weights_[i] : 0.0;
-      log_weights_[i] = before[i] + gain;
-    }
-    if (log_sum_exp(log_weights_) > -kInf) particles_.reweigh(log_weights_);
-  }
+  live_after_weighing();
   particles_.record(stamp, fits_);
 }
 

@@ -79,10 +79,13 @@ struct LandmarkRoot {
 };
 
 /// Landmarks by unscented Kalman filters.
+template <class Noise>
 struct UnscentedUpdate {
   UnscentedWeights w;
+  Noise noise;
 
-  explicit UnscentedUpdate(const UnscentedScaling& scaling) : w(2, scaling) {}
+  UnscentedUpdate(const UnscentedScaling& scaling, const Noise& noise_of_sightings)
+      : w(2, scaling), noise(noise_of_sightings) {}
 
   struct Prediction {
     Innovation v;  ///< of the centre
@@ -106,8 +109,8 @@ struct UnscentedUpdate {
     Innovation v = p.v;
     v.range -= p.moments.range;
     v.bearing = wrap(v.bearing - p.moments.bearing);
-    const InnovationCovariance s(p.moments.rr + z.rr, p.moments.rb + z.rb, p.moments.bb + z.bb, v);
-    density.multiply(s, z);
+    const InnovationCovariance stated(p.moments.rr + z.rr, p.moments.rb + z.rb, p.moments.bb + z.bb, v);
+    const InnovationCovariance s = weigh(noise, z, v, stated, density);
     const double a = w.other * w.spread * p.root.xx, b = w.other * w.spread * p.root.yx,
                  c = w.other * w.spread * p.root.yy;
     const double first_r = p.spread.range[0] - p.spread.range[1], second_r = p.spread.range[2] - p.spread.range[3];
@@ -138,9 +141,10 @@ struct UnscentedUpdate {
 };
 
 /// The proposal: sigma points of motion and landmark (5 dimensions), one landmark after the other.
+template <class Noise>
 MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& before, const PoseGaussian& motion,
                                     const UnscentedWeights& w, UnscentedVariant variant,
-                                    const UnscentedUpdate& landmark_update) {
+                                    const UnscentedUpdate<Noise>& landmark_update) {
   MotionPosterior q{motion.mean.vector(), motion.covariance, {}};
   const std::size_t known = view.maps.size(view.particle);
   const Pose2& mount = view.scan.sensor_in_base;
@@ -190,13 +194,15 @@ MotionPosterior unscented_posterior(const ParticleView& view, const Pose2& befor
     const Moments s = moments(spread.range, spread.bearing, w);
     v.range -= s.range;
     v.bearing = wrap(v.bearing - s.bearing);
-    const InnovationCovariance gain_s(s.rr + z.rr, s.rb + z.rb, s.bb + z.bb, v);
-    if (erb) {
-      density.multiply(gain_s, z);
-    } else {  // eq. 24, 25: the weight knows what the proposal does not
-      const Moments l = landmark_update.predict(m, z, sensor).moments;
-      density.multiply({gain_s.rr + l.rr, gain_s.rb + l.rb, gain_s.bb + l.bb, v}, z);
+    const InnovationCovariance stated(s.rr + z.rr, s.rb + z.rb, s.bb + z.bb, v);
+    Moments l;  // of what the weight knows and the proposal does not (eq. 24, 25)
+    if (!erb) {
+      l = landmark_update.predict(m, z, sensor).moments;
     }
+    const InnovationCovariance weighed(stated.rr + l.rr, stated.rb + l.rb, stated.bb + l.bb, v);
+    const InnovationCovariance believed = weigh(landmark_update.noise, z, v, weighed, density);
+    const InnovationCovariance gain_s(stated.rr + (believed.rr - weighed.rr), stated.rb + (believed.rb - weighed.rb),
+                                      stated.bb + (believed.bb - weighed.bb), v);
     if (!(gain_s.distance2 < kInf)) continue;
 
     Eigen::Matrix<double, 3, 2> cross = Eigen::Matrix<double, 3, 2>::Zero();
@@ -246,12 +252,15 @@ bool UFastSlam::may_wait() const {
   return motion_.covariance(2, 2) < linear_within_ * linear_within_;
 }
 
-MotionPosterior UFastSlam::posterior(const ParticleView& view, const Pose2& before) const {
-  return unscented_posterior(view, before, motion_, UnscentedWeights(5, scaling_), variant_, UnscentedUpdate(scaling_));
+MotionPosterior UFastSlam::posterior(const ParticleView& view, const Pose2& before) {
+  return with_noise([&](const auto& noise) {
+    return unscented_posterior(view, before, motion_, UnscentedWeights(5, scaling_), variant_,
+                               UnscentedUpdate(scaling_, noise));
+  });
 }
 
-void UFastSlam::update_landmarks(const ParticleView& view, const Pose2& pose) const {
-  update_map(view, pose, UnscentedUpdate(scaling_));
+void UFastSlam::update_landmarks(const ParticleView& view, const Pose2& pose) {
+  with_noise([&](const auto& noise) { update_map(view, pose, UnscentedUpdate(scaling_, noise)); });
 }
 
 void UFastSlam::take_in(std::size_t begin, std::size_t end) {
@@ -263,6 +272,20 @@ void UFastSlam::take_in(std::size_t begin, std::size_t end) {
     pose = pose * draw_motion(q, rng);
     update_landmarks(points_.view(i), pose);
   }
+}
+
+void UFastSlam::propose(std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    Pose2& pose = particles_.poses()[i];
+    proposals_[i] = posterior(points_.view(i), pose);
+    fits_[i] = proposals_[i].fit;
+    Rng rng = motion_rng(i);
+    pose = pose * draw_motion(proposals_[i], rng);
+  }
+}
+
+void UFastSlam::update_maps(std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) update_landmarks(points_.view(i), particles_.poses()[i]);
 }
 
 }  // namespace noctule::filters

@@ -17,9 +17,11 @@ class UFastSlam : public LandmarkSlam {
   void add_motion(const Odometry& odometry) override;
   [[nodiscard]] bool may_wait() const override;
   void take_in(std::size_t begin, std::size_t end) override;
+  void propose(std::size_t begin, std::size_t end) override;
+  void update_maps(std::size_t begin, std::size_t end) override;
 
-  [[nodiscard]] MotionPosterior posterior(const ParticleView& view, const Pose2& before) const;
-  void update_landmarks(const ParticleView& view, const Pose2& pose) const;
+  [[nodiscard]] MotionPosterior posterior(const ParticleView& view, const Pose2& before);
+  void update_landmarks(const ParticleView& view, const Pose2& pose);
 
  private:
   UnscentedVariant variant_;
@@ -53,7 +55,7 @@ class PsoUFastSlam final : public UFastSlam {
   [[nodiscard]] Vector3 in_prior(const Pose2& motion) const;
   [[nodiscard]] Pose2 motion_at(const Vector3& place) const;
   [[nodiscard]] Fitness fitness(std::size_t i, const Vector3& place);
-  void propose(std::size_t begin, std::size_t end);
+  void propose(std::size_t begin, std::size_t end) override;
   void inherit(std::span<const std::uint32_t> ancestors);
   void swarm(bool weighed);
   void begin_moves(std::size_t i);

@@ -75,6 +75,22 @@ sim::LandmarkWorldParameters square() {
   return p;
 }
 
+TEST(LandmarkWorld, AnOracleIsTheFilterToldOfTheTrueNoise) {
+  const std::vector<std::string> filters{"filters[0].name=fastslam2", "filters[0].parameters={N: 20}",
+                                         "filters[1].name=oracle", "filters[1].config={type: fastslam2}",
+                                         "filters[1].parameters={N: 20}"};
+  const auto nominal = run_all(plan_of(filters), 1);
+  expect_equal(nominal[0], nominal[1]);
+  auto changed = filters;
+  changed.push_back("scenarios[0].config.sensor.outliers=0.2");
+  const auto outliers = run_all(plan_of(changed), 1);
+  EXPECT_NE(figure(outliers[0], "position_rmse"), figure(outliers[1], "position_rmse"));
+  EXPECT_LT(figure(outliers[1], "nis_mean"), figure(outliers[0], "nis_mean"));
+  auto nameless = filters;
+  nameless[3] = "filters[1].config={particles: 10}";
+  expect_says(refusal_of(nameless), "type");
+}
+
 TEST(LandmarkStream, InsidersKnowTheSameSightingsByNameAndNoise) {
   sim::LandmarkWorldParameters p = square();
   p.sensor.known_ids = false;

@@ -133,6 +133,24 @@ TEST(StandardComparisons, FurtherParametersOfAFilterDoNotChangeWhomItMeets) {
   EXPECT_EQ(all[2].against.parameters, "N=20;q=1");  // none matches: the first
 }
 
+TEST(StandardComparisons, ValuesOfAParameterMeetTheFirstOneAllElseBeingEqual) {
+  Results results;
+  results.experiment.scenarios = {{"near", "fake", {}}};
+  results.experiment.filters = {{"pf", Role::compared, {}, {}, {}}};
+  results.experiment.compare = {"move"};
+  for (const char* parameters : {"draw=a;move=no", "draw=a;move=yes", "draw=b;move=no", "draw=b;move=yes", "draw=c"}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      results.runs.push_back({"near", "pf", parameters, seed, "error", "m", static_cast<double>(seed), false});
+    }
+  }
+  const std::vector<Comparison> all = standard_comparisons(results);
+  ASSERT_EQ(all.size(), 6u);  // four against the first filter, then two
+  EXPECT_EQ(all[4].subject.parameters, "draw=a;move=yes");
+  EXPECT_EQ(all[4].against.parameters, "draw=a;move=no");
+  EXPECT_EQ(all[5].subject.parameters, "draw=b;move=yes");
+  EXPECT_EQ(all[5].against.parameters, "draw=b;move=no");
+}
+
 TEST_F(Report, ASingleFilterIsComparedWithItsFirstParameters) {
   const std::vector<Comparison> all = standard_comparisons(results_of({"filters[1].role=baseline", "metrics=[error]"}));
   ASSERT_EQ(all.size(), 2u);

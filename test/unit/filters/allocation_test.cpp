@@ -31,8 +31,10 @@ namespace {
 TEST(Allocation, AScanAllocatesNothingOnceWarm) {
   const auto world = test::small_web();
   const auto run = test::drive(world, 300.0, 1);  // more than a lap: all landmarks are known before its end
+  FastSlam2Parameters learning;
+  learning.noise = SightingVbNoiseParameters{};
   for (auto p : std::vector<SlamFilterParameters>{FastSlam1Parameters{}, FastSlam2Parameters{}, UFastSlamParameters{},
-                                                  PsoUFastSlamParameters{}, WocpfParameters{}}) {
+                                                  PsoUFastSlamParameters{}, WocpfParameters{}, learning}) {
     std::visit(
         [](auto& q) {
           if constexpr (requires { q.particles; }) q.particles = 30;

@@ -48,6 +48,15 @@ std::vector<SlamFilterParameters> all_filters() {
   each.life.emplace();
   each.life->merge_gate = 4.0;
   result.emplace_back(each);
+  FastSlam1Parameters optimised;
+  optimised.sample = Sampling::odometry;
+  optimised.optimise = Optimisation::apf;
+  optimised.noise = EmNoiseParameters{};
+  result.emplace_back(optimised);
+  FastSlam2Parameters learning;
+  learning.optimise = Optimisation::apf;
+  learning.noise = SightingVbNoiseParameters{};
+  result.emplace_back(learning);
   for (auto& p : result) {
     std::visit(
         [](auto& q) {
