@@ -19,7 +19,6 @@ namespace {
 using filters::ObjectEstimate;
 using models::Vector4;
 
-constexpr const char* kOracle = "oracle";
 constexpr eval::SetDistanceParameters kDistance{.order = 1.0, .cutoff = 100.0};
 constexpr std::size_t kSettled = 10;        // scans
 constexpr std::int64_t kWindow = 10;        // scans of OSPA(2)

@@ -79,8 +79,8 @@ namespace {
 
 /// Kalman update of the motion by the sightings of known landmarks, one after the other, about the running mean.
 template <class Noise>
-MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before, const PoseGaussian& motion,
-                                 const Noise& noise) {
+[[gnu::always_inline]] inline MotionPosterior linear_posterior(const ParticleView& view, const Pose2& before,
+                                                               const PoseGaussian& motion, const Noise& noise) {
   MotionPosterior q{motion.mean.vector(), motion.covariance, {}};
   const std::size_t known = view.maps.size(view.particle);
   const Vector2 heading(std::cos(before.yaw), std::sin(before.yaw));
