@@ -100,7 +100,7 @@ TEST_F(ExperimentRun, JobArraysOfSlurmNeedNotBeginAtZero) {
 TEST_F(ExperimentRun, ListSaysWhatWouldRunAndWhatIsDone) {
   const Outcome before = run(command("list", {"--out", path("a")}, "1-2"));
   EXPECT_EQ(before.exit_code, 0);
-  for (const char* word : {"heptagon: seeds 1 to 2, 24 runs", "filter pf N=5", "filter known_pose (limit)",
+  for (const char* word : {"heptagon: seeds 1 to 2, 36 runs", "filter pf N=5", "filter known_pose (limit)",
                            "filter dead_reckoning (baseline)", "position_rmse", "nothing done yet"}) {
     EXPECT_NE(before.output.find(word), std::string::npos) << word << "\n" << before.output;
   }

@@ -6,7 +6,7 @@
 set -euo pipefail
 source_dir=$1 bin=$2 sender=$3
 channels=$(sed -nE 's/^\| ([A-Z_]+) \| ([a-z_]+) \|.*/\1 \2/p' "$source_dir/types/CHANNELS.md")
-[ "$sender" = every_type ] || channels=$(grep -v '^LANDMARK_DETECTIONS ' <<<"$channels")
+[ "$sender" = every_type ] || channels=$(grep -vE '^(LANDMARK_DETECTIONS|CAMERA_IMAGE) ' <<<"$channels")
 
 skip() { echo "skipped: $*"; exit 77; }
 for tool in java xvfb-run; do command -v $tool >/dev/null || skip "$tool is not installed"; done
