@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/check.hpp"
+#include "core/error.hpp"
 #include "sensors/camera/opencv.hpp"
 
 namespace noctule::sensors {
@@ -57,7 +58,11 @@ LandmarkDetections LandmarkDetector::detect(const CameraImage& image, std::span<
                      std::to_string(image.image.pixels.size()) + " bytes");
   }
   to_grey(image.image, grey_);
-  find(image, grey_, expected, found_);
+  try {
+    find(image, grey_, expected, found_);
+  } catch (const cv::Exception& e) {
+    throw InputError("image " + std::to_string(image.stamp.seq) + ": OpenCV fails on it (" + e.err + ")");
+  }
 
   LandmarkDetections result{image.stamp, mounting_.sensor_in_base(), {}};
   for (CameraFinding& f : found_) {

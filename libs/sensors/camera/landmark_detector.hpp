@@ -47,7 +47,8 @@ class LandmarkDetector {
   /// Landmarks in the picture, each at most once, in a fixed order. Nothing in a picture without landmarks, black,
   /// saturated or made of noise; whatever is not finite or not positive definite is left out.
   /// \param expected known landmarks that may be in view; empty: no prediction
-  /// \throws InputError unless the picture is whole and of the size that the camera is calibrated for
+  /// \throws InputError unless the picture is whole and of the size that the camera is calibrated for, and where OpenCV
+  /// gives up on it
   [[nodiscard]] LandmarkDetections detect(const CameraImage& image, std::span<const LandmarkPrediction> expected = {});
 
   /// Of the detections of the last detect(), in their order.

@@ -19,7 +19,7 @@ EkfSlamParameters with_life() {
 
 void expect_sound(const EkfSlam& filter) {
   const Eigen::MatrixXd p = filter.covariance();
-  EXPECT_LT((p - p.transpose()).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_TRUE(p.isApprox(p.transpose(), 1e-12));
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(p).eigenvalues().minCoeff(), -1e-9);
 }
 

@@ -16,10 +16,10 @@ TEST(AliasTable, DrawsAsOftenAsTheWeightsSay) {
   table.assign(weights);
   double total = 0.0;
   for (const double w : weights) total += w;
-  constexpr int kDraws = 200000;
+  constexpr int kTableDraws = 200000;
   std::vector<int> counts(weights.size());
   Rng rng(1, stream_id("alias_table_test"));
-  for (int i = 0; i < kDraws; ++i) ++counts[table.draw(rng)];
+  for (int i = 0; i < kTableDraws; ++i) ++counts[table.draw(rng)];
   double chi2 = 0.0;
   int dof = -1;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -28,7 +28,7 @@ TEST(AliasTable, DrawsAsOftenAsTheWeightsSay) {
       EXPECT_EQ(counts[i], 0);
       continue;
     }
-    const double expected = kDraws * weights[i] / total;
+    const double expected = kTableDraws * weights[i] / total;
     chi2 += (counts[i] - expected) * (counts[i] - expected) / expected;
     ++dof;
   }
