@@ -82,9 +82,9 @@ TEST(Plan, NamesTheKnownWhenAFilterOrMetricIsUnknown) {
   EXPECT_EQ(plan_with({"metrics=[error]", "plots=[steps]"}), "plots: no scenario keeps the metric 'steps'");
   EXPECT_EQ(plan_with({"scenarios=[{name: a, kind: fake}, {name: b, kind: other}]"}),
             "scenario 'b': no filter of the list can run there; it knows: strange");
-  EXPECT_NE(
-      plan_with({"filters=[{name: good, parameters: {N: 0}}]"}).find("filter 'good': parameters: particles=0: particles: expected an integer >= 1, got 0"),
-      std::string::npos);
+  EXPECT_NE(plan_with({"filters=[{name: good, parameters: {N: 0}}]"})
+                .find("filter 'good': parameters: particles=0: particles: expected an integer >= 1, got 0"),
+            std::string::npos);
   EXPECT_NE(plan_with({"scenarios[1].config.ofset_m=1"}).find("ofset_m"), std::string::npos);
 }
 
