@@ -21,6 +21,14 @@ work=$(mktemp -d)
 groups=()  # each program below leads a process group of its own: xvfb-run does not end its children
 finish() {
   for group in "${groups[@]}"; do kill -- "-$group" 2>/dev/null || true; done
+  # A pipeline that is told to end still writes its results.
+  for _ in $(seq 100); do
+    alive=0
+    for group in "${groups[@]}"; do ! kill -0 -- "-$group" 2>/dev/null || alive=1; done
+    [ $alive -eq 1 ] || break
+    sleep 0.1
+  done
+  for group in "${groups[@]}"; do kill -KILL -- "-$group" 2>/dev/null || true; done
   wait
   rm -rf "$work"
 }
