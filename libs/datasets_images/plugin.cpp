@@ -87,7 +87,8 @@ class Capture : public VideoStream {
 };
 
 VideoStream* open_file(const std::string& path) {
-  cv::VideoCapture capture(path);
+  // Named, for else OpenCV asks every camera driver it knows whether the file is its device.
+  cv::VideoCapture capture(path, cv::CAP_FFMPEG);
   return capture.isOpened() ? new Capture(std::move(capture)) : nullptr;
 }
 

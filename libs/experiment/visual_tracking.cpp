@@ -9,6 +9,7 @@
 #include "core/limits.hpp"
 #include "eval/box_overlap.hpp"
 #include "experiment/opencv_tracker.hpp"
+#include "experiment/slam_filters.hpp"
 #include "sensors/camera/target_tracker.hpp"
 
 namespace noctule::experiment {
@@ -31,6 +32,7 @@ constexpr std::pair<const char*, TargetProposal> kParticleTrackers[] = {
     {"kalman_pf_tracker", TargetProposal::kalman},
     {"unscented_pf_tracker", TargetProposal::unscented},
     {"saliency_pf_tracker", TargetProposal::saliency}};
+constexpr const char* kKnownBox = "known_box";
 constexpr int kReacquired = 3;  // [frames]
 
 bool is_particle_tracker(const std::string& name) {
@@ -130,6 +132,7 @@ std::vector<std::string> VisualTracking::filters() const {
   std::vector<std::string> names;
   for (const auto& tracker : kParticleTrackers) names.emplace_back(tracker.first);
   if (parameters_.displace_every == 0) names.insert(names.end(), {"opencv_kcf", "opencv_csrt"});
+  names.insert(names.end(), {kDeadReckoning, kKnownBox});
   return names;
 }
 
@@ -174,9 +177,13 @@ VisualTracking::Film VisualTracking::film(std::uint64_t seed) const {
 
 FilterRun VisualTracking::run_one(const FilterSpec& spec, const Film& film, std::uint64_t seed) const {
   const double begin = cpu_seconds();
-  const std::vector<ImageBox> boxes = is_particle_tracker(spec.name)
-                                          ? run_particles(spec, film, parameters_.displace_every, seed)
-                                          : run_opencv(spec.name, film);
+  const auto follow = [&]() -> std::vector<ImageBox> {
+    if (is_particle_tracker(spec.name)) return run_particles(spec, film, parameters_.displace_every, seed);
+    if (spec.name == kKnownBox) return film.truth;
+    if (spec.name == kDeadReckoning) return std::vector(film.truth.size(), film.truth.front());
+    return run_opencv(spec.name, film);
+  };
+  const std::vector<ImageBox> boxes = follow();
   const double seconds = cpu_seconds() - begin;
   FilterRun run = judge(boxes, film);
   run.timings = {{"cpu_per_frame", seconds / static_cast<double>(boxes.size()), "s"}};

@@ -29,11 +29,12 @@ struct VisualTrackingParameters {
 };
 
 /// Filters: `pf_tracker`, `kalman_pf_tracker`, `unscented_pf_tracker` and `saliency_pf_tracker` (TargetTracker, told
-/// apart by their proposal), and OpenCV's `opencv_kcf` and `opencv_csrt`, which cannot be displaced. Every one is given
-/// the box of the first frame. Judged are the frames in which at least half of the target is visible. A target is lost
-/// where it jumps, comes out from behind something, or the particles are displaced; `reacquired3` is the share of
-/// losses after which the overlap exceeds 0.5 within 3 frames, `reacquisition_frames` the mean number of frames until
-/// then (until the next loss or the end where that never happens).
+/// apart by their proposal), OpenCV's `opencv_kcf` and `opencv_csrt`, which cannot be displaced, `dead_reckoning`,
+/// which leaves the box where it was first, and the limit `known_box`. Every one is given the box of the first frame.
+/// Judged are the frames in which at least half of the target is visible. A target is lost where it jumps, comes out
+/// from behind something, or the particles are displaced; `reacquired3` is the share of losses after which the overlap
+/// exceeds 0.5 within 3 frames, `reacquisition_frames` the mean number of frames until then (until the next loss or the
+/// end where that never happens).
 class VisualTracking : public Scenario {
  public:
   explicit VisualTracking(const ScenarioSpec&);
