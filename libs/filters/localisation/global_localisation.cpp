@@ -48,10 +48,10 @@ void GlobalLocalisation::update(const LandmarkDetections& detections) {
     if (!spread(detections)) return;
     skipped = 0;  // particles were drawn by the first one
   } else {
-    const OdometryProposal::Sampler sample(proposal_.motion());
+    const WhitenedMotion whitened(proposal_.motion());
     for (std::size_t i = 0; i < particles_.size(); ++i) {
       Pose2& pose = particles_.poses()[i];
-      pose = pose * sample(Rng(seed_, kMotion, particles_.step(), static_cast<std::uint32_t>(i)));
+      pose = whitened.drawn(pose, Rng(seed_, kMotion, particles_.step(), static_cast<std::uint32_t>(i)));
     }
   }
   proposal_.reset();

@@ -5,6 +5,7 @@
 
 #include "core/features.hpp"
 #include "filters/slam/contour_landmark.hpp"
+#include "filters/slam/odometry_proposal.hpp"
 #include "filters/slam/parameters.hpp"
 #include "filters/slam/path_particles.hpp"
 
@@ -14,18 +15,6 @@ namespace noctule::filters {
 struct EchoResidual {
   double mean = 0.0, second_moment = 0.0;  ///< see NoiseResidual
   double noise = 0.0;                      ///< variance the gain was made of; 0: clutter
-};
-
-/// Motion of all particles since the last observation, whitened: mean + root u, u standard normal (three numbers).
-struct WhitenedMotion {
-  explicit WhitenedMotion(const PoseGaussian& motion) : mean(motion.mean), root(square_root<3>(motion.covariance)) {}
-  /// The pose a particle moves to.
-  [[nodiscard]] Pose2 moved(const Pose2& from, const Vector3& u) const {
-    const Vector3 d = root * u;
-    return from * Pose2{mean.x + d[0], mean.y + d[1], mean.yaw + d[2]};
-  }
-  Pose2 mean;
-  Matrix3 root;
 };
 
 /// A pose drawn for a particle, and the log of the density it had in the motion prior over that in the proposal.

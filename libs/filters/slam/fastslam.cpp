@@ -23,11 +23,11 @@ void FastSlam1::before_association() {
 }
 
 void FastSlam1::move(const PoseGaussian& motion, std::uint64_t stream, std::uint64_t step) {
-  const OdometryProposal::Sampler sample(motion);
+  const WhitenedMotion whitened(motion);
   for_particles([&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Pose2& pose = particles_.poses()[i];
-      pose = pose * sample(Rng(seed_, stream, step, static_cast<std::uint32_t>(i)));
+      pose = whitened.drawn(pose, Rng(seed_, stream, step, static_cast<std::uint32_t>(i)));
     }
   });
 }

@@ -6,6 +6,24 @@
 
 namespace noctule::filters {
 
+/// Motion of all particles since the last observation, whitened: mean + root u, u standard normal (three numbers). Made
+/// once per observation, used by all particles.
+struct WhitenedMotion {
+  explicit WhitenedMotion(const PoseGaussian& motion) : mean(motion.mean), root(square_root<3>(motion.covariance)) {}
+  /// The pose a particle moves to.
+  [[nodiscard]] Pose2 moved(const Pose2& from, const Vector3& u) const {
+    const Vector3 d = root * u;
+    return from * Pose2{mean.x + d[0], mean.y + d[1], mean.yaw + d[2]};
+  }
+  [[nodiscard]] Pose2 drawn(const Pose2& from, Rng rng) const {
+    Vector3 u;
+    for (int i = 0; i < 3; ++i) u[i] = rng.normal();
+    return moved(from, u);
+  }
+  Pose2 mean;
+  Matrix3 root;
+};
+
 class OdometryProposal {
  public:
   /// Appends an increment, its error independent of those before.
@@ -13,23 +31,6 @@ class OdometryProposal {
 
   /// Motion since the last reset, in the base's frame of then.
   [[nodiscard]] const PoseGaussian& motion() const { return motion_; }
-
-  /// Draws motions; made once per observation, used by all particles.
-  class Sampler {
-   public:
-    explicit Sampler(const PoseGaussian& motion)
-        : mean_(motion.mean), certain_(motion.covariance.isZero(0.0)), root_(square_root<3>(motion.covariance)) {}
-    [[nodiscard]] Pose2 operator()(Rng rng) const {
-      if (certain_) return mean_;
-      const Vector3 error = sample_gaussian<3>(root_, rng);
-      return {mean_.x + error[0], mean_.y + error[1], mean_.yaw + error[2]};
-    }
-
-   private:
-    Pose2 mean_;
-    bool certain_;
-    Matrix3 root_;
-  };
 
   void reset() { motion_ = {}; }
   void transfer(StateArchive& archive) { archive(motion_); }

@@ -45,8 +45,9 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   check_order("ultrasonic scan", scan.stamp, last_scan_);
 
   begin_motion();
+  const WhitenedMotion motion(proposal_.motion());
   const bool informed = parameters_.proposal == EchoProposal::echoes;
-  if (!informed) move_particles();
+  if (!informed) move_particles(motion);
   const auto echoes = static_cast<std::size_t>(
       std::ranges::count(scan.beams, Echo::hit, [](const UltrasonicBeam& beam) { return beam.echo; }));
   noise_.begin(echoes);
@@ -55,7 +56,6 @@ void ParticleSlam::update(const UltrasonicScan& scan, const ContourFeatures& fea
   next_id_ -= static_cast<std::int64_t>(features.features.size());
   const std::size_t kept = noise_.adapts() ? echoes : 0;
   residuals_.resize(kept * particles_.size());
-  const WhitenedMotion motion(proposal_.motion());
   particle::for_blocks(particles_.size(), parameters_.threads, [&](std::size_t begin, std::size_t end) {
     std::vector<char> scratch;
     std::vector<std::int32_t> assigned;
@@ -84,7 +84,7 @@ void ParticleSlam::update(const LandmarkDetections& detections) {
   check_order("landmark detections", detections.stamp, last_detections_);
 
   begin_motion();
-  move_particles();
+  move_particles(WhitenedMotion(proposal_.motion()));
   proposal_.reset();
   points_.begin(detections, next_id_);
   points_.associate(particles_.poses(), {});
@@ -108,11 +108,10 @@ void ParticleSlam::begin_motion() {
   if (smoother_) smoother_->add_node(motion);
 }
 
-void ParticleSlam::move_particles() {
-  const OdometryProposal::Sampler sample(proposal_.motion());
+void ParticleSlam::move_particles(const WhitenedMotion& motion) {
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     Pose2& pose = particles_.poses()[i];
-    pose = pose * sample(motion_rng(i));
+    pose = motion.drawn(pose, motion_rng(i));
   }
 }
 

@@ -49,7 +49,7 @@ class ParticleSlam : public SlamFilter {
  private:
   /// Counts stops, and lets the smoother know of the motion. To be called once per observation, before the next.
   void begin_motion();
-  void move_particles();
+  void move_particles(const WhitenedMotion& motion);
   [[nodiscard]] Rng motion_rng(std::size_t i) const {
     return Rng(seed_, stream_id("particle_slam.motion"), particles_.step(), static_cast<std::uint32_t>(i));
   }
